@@ -279,7 +279,7 @@ def test_errors_that_last_add_to_the_covariance() -> None:
     turn = Rotation.from_euler("xyz", [4, -7, 3], degrees=True).as_matrix()
     mapper, point = Map(), np.array([3.0, -2.0, 40.0])
     seen = track(
-        turn @ point, sigma_m=0.1, extent=(3.0, 1.0), scatter_px2=[36.0, 16.0, 0.04], foot_sigma_m=0.7
+        turn @ point, sigma_m=0.1, extent=(3.0, 1.0), scatter_px2=[36.0, 16.0, 0.04], lasting_sigma_m=0.7
     )
     mapper.update([seen], FORWARD, pose((0, 0, 0), turn))
     ray = point / point[2]

@@ -26,10 +26,12 @@ NOTHING = -1.0
 
 def off_line(line, wire: Wire) -> tuple[float, float]:
     """Largest distance of the found line from the wire's image, px across it, and from its disparity."""
-    v = np.arange(line.first_px, line.last_px + 1.0)
-    u = line.u_px + line.slope * (v - line.v_px)
-    inside = (u >= 0) & (u <= WIDTH - 1)
-    disparity = line.disparity_px + line.disparity_slope * (v - line.v_px)
+    t = np.arange(line.first_px, line.last_px + 1.0)
+    along_px, across_px = (line.u_px, line.v_px) if line.flat else (line.v_px, line.u_px)
+    across = across_px + line.slope * (t - along_px)
+    u, v = (t, across) if line.flat else (across, t)
+    inside = (u >= 0) & (u <= WIDTH - 1) & (v >= 0) & (v <= HEIGHT - 1)
+    disparity = line.disparity_px + line.disparity_slope * (t - along_px)
     offset = np.abs(wire.offset_px(u, v))[inside]
     return float(offset.max()), float(np.abs(disparity - wire.disparity_px(u, v))[inside].max())
 
@@ -51,6 +53,19 @@ def test_a_wire_is_found_where_it_is(behind_px: float) -> None:
     across_px, disparity_px = off_line(found[0], wire)
     assert across_px < 1.5 and disparity_px < 0.5
     assert found[0].rows_on > 0.8 * found[0].rows_apart and found[0].rows_level == 0
+
+
+@pytest.mark.parametrize("behind_px", [NOTHING, 6.0])
+def test_a_wire_that_is_almost_level_is_found_where_it_is(behind_px: float) -> None:
+    """From column to column, near the middle of the view; the flatter, the less certain is its disparity."""
+    random = seeded(19)
+    angle = random.uniform(7.0, 14.0) * random.choice([-1.0, 1.0])
+    wire = wire_at(angle, random.uniform(12.0, 25.0), 0.015, y_m=random.uniform(-0.5, 0.5))
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    (line,) = Thin().find(image, words_around(wire, behind_px, random, share=0.7))
+    across_px, disparity_px = off_line(line, wire)
+    assert line.flat and across_px < 1.5 and disparity_px < 0.5
+    assert line.lasting_sigma_px == pytest.approx(0.1 / np.tan(np.radians(abs(angle))), rel=0.05)
 
 
 def test_a_guy_wire_that_runs_away_from_the_camera_keeps_its_slope() -> None:
@@ -235,7 +250,7 @@ def test_the_foot_of_a_line_is_its_height_above_the_ground() -> None:
 def test_horizontal_wires_cannot_be_found() -> None:
     """Every place of such a wire looks the same along a row: no words could tell its range."""
     random = seeded(10)
-    wire = wire_at(random.uniform(-10.0, 10.0), 15.0, 0.03)
+    wire = wire_at(random.uniform(-5.0, 5.0), 15.0, 0.03)
     image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
     u, v = grid()
     near = np.abs(wire.offset_px(u, v)) < 6

@@ -32,11 +32,11 @@ def test_the_range_is_as_uncertain_as_the_foot_that_told_it_last() -> None:
     """The error stays what it was in metres while the foot is out of view."""
     tracker = Tracker()
     disparity_px = seen_at(POINT)["disparity_px"]
-    whole = updated(tracker, 0, 6, POINT, plain=True, foot_sigma_px=0.3)
+    whole = updated(tracker, 0, 6, POINT, plain=True, lasting_sigma_px=0.3)
     told_m = POINT[2] * 0.3 / disparity_px
-    assert whole.foot_sigma_m == pytest.approx(told_m)
-    assert updated(tracker, 6, 4, EDGE).foot_sigma_m == pytest.approx(told_m)
-    assert updated(tracker, 10, 1, POINT, plain=True, foot_sigma_px=0.1).foot_sigma_m < 0.5 * told_m
+    assert whole.lasting_sigma_m == pytest.approx(told_m)
+    assert updated(tracker, 6, 4, EDGE).lasting_sigma_m == pytest.approx(told_m)
+    assert updated(tracker, 10, 1, POINT, plain=True, lasting_sigma_px=0.1).lasting_sigma_m < 0.5 * told_m
 
 
 def test_where_a_plain_track_is_met_stays_there_without_detections() -> None:

@@ -85,9 +85,10 @@ def words_around(wire: Wire, behind_px: float, random: np.random.Generator, shar
     """The words of an engine with ideal blocks: those that the wire is in are its, as far as `share` of
     the rows of blocks go, all others of what is behind_px (negative: nothing)."""
     u, v = grid()
-    point, along = wire.line_px
-    aside = np.abs(u - point[0] - (v - point[1]) * along[0] / along[1])
-    near = aside <= (BLOCK_RADIUS_PX + 1) * (1.0 + abs(along[0] / along[1]))
+    _, along = wire.line_px
+    flat = abs(along[0]) > abs(along[1])
+    aside = np.abs(wire.offset_px(u, v)) / (abs(along[0]) if flat else abs(along[1]))
+    near = aside <= (BLOCK_RADIUS_PX + 1) * (1.0 + abs(along[1] / along[0] if flat else along[0] / along[1]))
     taken = np.repeat(random.random(HEIGHT // 8 + 1) < share, 8)[:HEIGHT, None]
     disparity = np.where(near & taken, wire.disparity_px(u, v), behind_px)
     words = np.rint(16 * (disparity + random.normal(0.0, 0.1, disparity.shape)))
@@ -109,8 +110,9 @@ class Thin:
         noise = ffi.new("vista_image_noise *")
         assert lib.vista_image_noise_measure(image_struct("image", image), noise) == lib.VISTA_OK
         area = ffi.new("vista_matched_area *", {"disparity_max_px": 127.0, "margin_px": BLOCK_RADIUS_PX})
+        path = ffi.new("vista_flight_path *", {"direction": [0.0, 0.0, 1.0], "length_m": 60.0})
         frame = frame_view(
-            self._parameters, CAMERA, matched=area, image=image, levels=[words], noise=noise.sigma
+            self._parameters, CAMERA, matched=area, image=image, levels=[words], noise=noise.sigma, path=path
         )
         surfaces = ffi.new("vista_surfaces *")
         if ground is not None:

@@ -37,8 +37,8 @@ void vista_track_filter_meet(const vista_pose *pose, const vista_detection *dete
   track->met = true;
 }
 
-double vista_track_foot_sigma_m(const vista_detection *detection) {
-  return detection->position_camera_m[2] * detection->foot_sigma_px / detection->disparity_px;
+double vista_track_lasting_sigma_m(const vista_detection *detection) {
+  return detection->position_camera_m[2] * detection->lasting_sigma_px / detection->disparity_px;
 }
 
 void vista_track_filter_start(const vista_tracker_params *params, const vista_camera *camera, const vista_pose *pose,
@@ -48,7 +48,7 @@ void vista_track_filter_start(const vista_tracker_params *params, const vista_ca
                          .seen_frames = 1,
                          .window = 1,
                          .plain = detection->plain,
-                         .foot_sigma_m = vista_track_foot_sigma_m(detection),
+                         .lasting_sigma_m = vista_track_lasting_sigma_m(detection),
                          .volume_window = detection->volume_pixels >= VISTA_VOLUME_PIXELS,
                          .ellipse = detection->ellipse,
                          .ellipse_depth_m = camera->focal_px * camera->baseline_m / detection->disparity_px};

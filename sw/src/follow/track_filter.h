@@ -19,7 +19,7 @@ typedef struct vista_track_view {
 } vista_track_view;
 
 /* Standard deviation of the range of a detection by where its foot is: 0 unless its outline alone tells it. */
-double vista_track_foot_sigma_m(const vista_detection *detection);
+double vista_track_lasting_sigma_m(const vista_detection *detection);
 
 /* Takes over where the collision volume meets the thing, as the detection shows it. */
 void vista_track_filter_meet(const vista_pose *pose, const vista_detection *detection, vista_track *track);

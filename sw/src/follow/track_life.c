@@ -62,7 +62,7 @@ static vista_world_hit world_hit(const vista_track_frame *f, const vista_detecti
 }
 
 void vista_track_judge(const vista_track_frame *f, vista_track *track) {
-  vista_static_world_decide(&track->world, vista_static_world_silent(&track->world, f->t_ns),
+  vista_static_world_decide(&track->world, track->unrepeated || vista_static_world_silent(&track->world, f->t_ns),
                             hits_in_window(f->params, track), hits_needed(f->params, track), &track->confirmed,
                             &track->credible);
 }
@@ -72,7 +72,8 @@ static void hit(const vista_track_frame *f, const vista_detection *detection, vi
   track->label = detection->label;
   track->edges_only = track->plain && !detection->plain;
   track->plain = track->plain || detection->plain;
-  if (detection->plain) track->foot_sigma_m = vista_track_foot_sigma_m(detection);
+  track->unrepeated = detection->unrepeated;
+  if (detection->plain || detection->line) track->lasting_sigma_m = vista_track_lasting_sigma_m(detection);
   if (!track->edges_only) vista_track_filter_meet(f->pose, detection, track);
   if (!track->edges_only)
     track->volume_window = track->volume_window << 1 | (detection->volume_pixels >= VISTA_VOLUME_PIXELS);

@@ -64,7 +64,8 @@ typedef struct vista_track {
   bool in_view;        /* predicted inside the matched part of the image */
   bool in_blind_zone;  /* predicted nearer than the engine matches, and in view when it came so near */
   bool plain;          /* once told by its outline alone (region.h) */
-  double foot_sigma_m; /* of its range, by where the foot of what is plain is: an error that lasts */
+  bool unrepeated;     /* its last detection is no image of a texture (reconstruction.h) */
+  double lasting_sigma_m; /* of its range, by an error of its detections that is the same in each frame */
   bool edges_only;     /* plain, and this frame's detection is not: parts of its outline, as it leaves the image */
   int32_t label;       /* of the region in this frame; -1 without a detection */
   int32_t age_frames;  /* updates since its birth, that one included */

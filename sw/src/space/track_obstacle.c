@@ -92,7 +92,7 @@ static void lasting_covariance(const vista_frame_view *frame, const vista_track 
       sqrt(vista_square(LASTING_DISPARITY_PX) + share * excess_px2(track, 2) + fmax(track->lasting_px2[2], 0.0));
   const double own_m =
       hypot(z * z / fb * disparity_px, LASTING_RANGE_M + thickness_m(&frame->params->obstacle_map, track));
-  const double range_m = hypot(own_m, track->foot_sigma_m);
+  const double range_m = hypot(own_m, track->lasting_sigma_m);
   const double ray[3] = {camera_m[0] / z, camera_m[1] / z, 1.0};
   double in_camera[9];
   for (int i = 0; i < 3; ++i)

@@ -54,8 +54,8 @@ static double beside(const reading *r, int32_t t) {
   double nearest = -1.0;
   for (int side = -1; side <= 1; side += 2)
     for (int k = 0; k < 2; ++k)
-      nearest = fmax(nearest,
-                     word_at(r->view, r->line, (int32_t)lround(across + side * (r->side_px + k * SIDE_STEP_PX)), t));
+      nearest =
+          fmax(nearest, word_at(r->view, r->line, (int32_t)lround(across + side * (r->side_px + k * SIDE_STEP_PX)), t));
   return nearest;
 }
 
@@ -121,7 +121,8 @@ static int32_t refine(const vista_line_sample *samples, int32_t count, double re
   const double slope = along / spread, residual = fmax(dd - d * d / n - slope * along, 0.0) / n;
   const double rows = fmax(n / ROWS_PER_BLOCK, 1.0);
   found->disparity_slope = slope;
-  found->disparity_sigma_px = sqrt(vista_square(BIAS_PX) + vista_square(ROW_ERROR_PX * columns_per_row(found)) + residual / rows);
+  found->lasting_sigma_px = ROW_ERROR_PX * fabs(columns_per_row(found));
+  found->disparity_sigma_px = sqrt(vista_square(BIAS_PX) + residual / rows);
   found->disparity_slope_sigma = sqrt((residual + vista_square(BIAS_PX)) / rows / (spread / n));
   /* Moved to the middle of the samples, where level and slope do not depend on each other. */
   const double v_px = vista_thin_v_px(found, middle + t / n);
@@ -138,9 +139,8 @@ static bool stands(const reading *r, const vista_camera *camera, const vista_thi
   int32_t above = 0;
   for (int32_t t = found->first_px; t <= found->last_px; ++t) {
     const double d = vista_thin_disparity_px(found, t);
-    above +=
-        d > 0.0 && vista_plane_height_m(&view->surfaces->ground, camera, vista_thin_u_px(r->line, t),
-                                     vista_thin_v_px(r->line, t), d) >= HEIGHT_M;
+    above += d > 0.0 && vista_plane_height_m(&view->surfaces->ground, camera, vista_thin_u_px(r->line, t),
+                                             vista_thin_v_px(r->line, t), d) >= HEIGHT_M;
   }
   return 2 * above > found->last_px - found->first_px + 1;
 }
@@ -205,25 +205,27 @@ static int32_t extended(const reading *r, const vista_ridge *ridge, int32_t agre
   return blocks * -log(1.0 - fmin(seen, 0.95)) > END_ODDS ? agreed : end;
 }
 
-/* A wire does not end in mid-air: where words and ridge are lost before trees or a facade, it goes on downward as far
- * as pieces of the image's line were linked, and no farther than it is long so far, until the ground or something
- * beside it is as near as it. Upward it does not: a pole may end there. */
-static int32_t continued(const reading *r, const vista_camera *camera, const vista_thin_line *found) {
+/* A wire does not end in mid-air: where words and ridge are lost before trees or a facade, it goes on downward, and a flat
+ * one to both sides, as far as pieces of the image's line were linked, and no farther than it is long so far, until the
+ * ground or something beside it is as near as it. Upward it does not: a pole may end there. */
+static int32_t continued(const reading *r, const vista_camera *camera, const vista_thin_line *found, int32_t step) {
   const vista_line_view *const view = r->view;
-  const int32_t as_long = 2 * found->last_px - found->first_px;
-  const int32_t limit = as_long < r->line->last_px ? as_long : r->line->last_px;
-  int32_t level = 0, run = 0, end = found->last_px;
-  for (int32_t t = end + 1; t <= limit && run < VISTA_STRIP_ROWS; ++t) {
-    const double u = vista_thin_u_px(r->line, t), v = vista_thin_v_px(r->line, t), d = vista_thin_disparity_px(found, t);
+  const int32_t length = found->last_px - found->first_px, from = step > 0 ? found->last_px : found->first_px;
+  const int32_t limit = step > 0 ? r->line->last_px - from : from - r->line->first_px;
+  int32_t level = 0, run = 0, more = 0;
+  while (more < length && more < limit && run < VISTA_STRIP_ROWS) {
+    const int32_t t = from + step * (more + 1);
+    const double u = vista_thin_u_px(r->line, t), v = vista_thin_v_px(r->line, t),
+                 d = vista_thin_disparity_px(found, t);
     if (!(d > 0.0) ||
         (view->surfaces->ground_found && vista_plane_height_m(&view->surfaces->ground, camera, u, v, d) <= 0.0))
       break;
     run = is_level(r, found, t) ? run + 1 : 0;
     level += run > 0;
-    end = t;
+    ++more;
   }
-  if (run == VISTA_STRIP_ROWS) end -= run, level -= run;
-  return level > LEVEL_SHARE * (end - found->last_px) ? found->last_px : end;
+  if (run == VISTA_STRIP_ROWS) more -= run, level -= run;
+  return level > LEVEL_SHARE * more ? from : from + step * more;
 }
 
 /* Sets the ends of a line: the first and the last row whose words agree, and on from there as far as the image shows
@@ -239,7 +241,9 @@ static void set_ends(const reading *r, const vista_camera *camera, const vista_r
   const double share = found->rows_on / fmax(rows_with_words(r, first, last), 1.0);
   found->first_px = extended(r, ridge, first, -1, share);
   found->last_px = extended(r, ridge, last, 1, share);
-  found->last_px = continued(r, camera, found);
+  const int32_t end = continued(r, camera, found, 1);
+  if (found->flat) found->first_px = continued(r, camera, found, -1);
+  found->last_px = end;
 }
 
 /* Finds how high above the ground the lower end of a line is, as it is found for a region (region.h). */
@@ -247,9 +251,8 @@ static void find_foot(const vista_line_view *view, const vista_camera *camera, v
   const double t = found->flat && found->slope < 0.0 ? found->first_px : found->last_px;
   found->foot_seen = view->surfaces->ground_found;
   if (found->foot_seen)
-    found->foot_share =
-        vista_plane_share_above(&view->surfaces->ground, camera, vista_thin_u_px(found, t), vista_thin_v_px(found, t),
-                                vista_thin_disparity_px(found, t));
+    found->foot_share = vista_plane_share_above(&view->surfaces->ground, camera, vista_thin_u_px(found, t),
+                                                vista_thin_v_px(found, t), vista_thin_disparity_px(found, t));
 }
 
 bool vista_line_depth(const vista_line_view *view, const vista_thin_line *line, vista_thin_line *found) {

@@ -168,7 +168,8 @@ static bool is_known(const vista_straight_lines *lines, const vista_thin_line *l
   for (int32_t i = 0; i < lines->count; ++i) {
     const vista_thin_line *const other = &lines->items[i];
     if (middle < other->first_px || middle > other->last_px) continue;
-    if (fabs(vista_thin_across_px(line, middle) - vista_thin_across_px(other, middle)) <= SAME_PX * hypot(1.0, line->slope) &&
+    if (fabs(vista_thin_across_px(line, middle) - vista_thin_across_px(other, middle)) <=
+            SAME_PX * hypot(1.0, line->slope) &&
         fabs(line->slope - other->slope) <= 0.25)
       return true;
   }

@@ -15,6 +15,7 @@ typedef struct vista_thin_line {
   int32_t first_px, last_px;
   double disparity_px, disparity_slope;
   double disparity_sigma_px, disparity_slope_sigma; /* independent of each other */
+  double lasting_sigma_px; /* of the disparity: an error that is the same in each frame */
   bool foot_seen;    /* the ground is known: */
   double foot_share; /* height of its lower end above the ground over that of the camera */
   int32_t rows;       /* pixels along it with a word on it */
@@ -45,8 +46,13 @@ static inline double vista_thin_disparity_px(const vista_thin_line *line, double
   return line->disparity_px + line->disparity_slope * (t - vista_thin_middle_px(line));
 }
 
-static inline double vista_thin_sigma_px(const vista_thin_line *line, double t) {
+/* Standard deviations of the disparity: from frame to frame, and in all. */
+static inline double vista_thin_noise_px(const vista_thin_line *line, double t) {
   return hypot(line->disparity_sigma_px, line->disparity_slope_sigma * (t - vista_thin_middle_px(line)));
+}
+
+static inline double vista_thin_sigma_px(const vista_thin_line *line, double t) {
+  return hypot(vista_thin_noise_px(line, t), line->lasting_sigma_px);
 }
 
 #endif

@@ -64,7 +64,7 @@ static approach approach_of(const vista_thin_line *line, const vista_camera *cam
 
 /* Pixels along the line within the radius of the point. */
 static double pixels_around(const vista_thin_line *line, const vista_camera *camera, const approach *nearest,
-                          double radius_m) {
+                            double radius_m) {
   double rows = 0.0;
   for (int32_t t = line->first_px; t <= line->last_px; ++t) {
     if (!is_certain(line, t)) continue;
@@ -85,25 +85,26 @@ static vista_detection detection_of(const vista_thin_line *line, const vista_cam
   const double along_sigma_px = ALONG_SIGMA_RAD * camera->focal_px;
   const double half_px = fmax(0.5 * pixels * hypot(1.0, line->slope), HALF_WIDTH_MIN_PX);
   const double angle_deg = atan2(down, right) * VISTA_DEGREES_PER_RADIAN;
-  vista_detection result = {
-      .label = label,
-      .u_px = u_px,
-      .v_px = v_px,
-      .disparity_px = d,
-      .sigma_u_px = hypot(ACROSS_SIGMA_PX, along_sigma_px * right),
-      .sigma_v_px = hypot(ACROSS_SIGMA_PX, along_sigma_px * down),
-      .sigma_disparity_px = vista_thin_sigma_px(line, t),
-      .extent_m = {2.0 * fmax(half_px * fabs(right), HALF_WIDTH_MIN_PX) * pixel_m,
-                   2.0 * fmax(half_px * down, HALF_WIDTH_MIN_PX) * pixel_m},
-      .volume_pixels = (int32_t)lround(nearest->pixels),
-      .foot_seen = line->foot_seen,
-      .foot_share = line->foot_share,
-      .line = true,
-      .ellipse = {.center_u_px = u_px,
-                  .center_v_px = v_px,
-                  .axis_a_px = half_px,
-                  .axis_b_px = HALF_WIDTH_MIN_PX,
-                  .angle_deg = angle_deg > 90.0 ? angle_deg - 180.0 : angle_deg}};
+  vista_detection result = {.label = label,
+                            .u_px = u_px,
+                            .v_px = v_px,
+                            .disparity_px = d,
+                            .sigma_u_px = hypot(ACROSS_SIGMA_PX, along_sigma_px * right),
+                            .sigma_v_px = hypot(ACROSS_SIGMA_PX, along_sigma_px * down),
+                            .sigma_disparity_px = vista_thin_noise_px(line, t),
+                            .lasting_sigma_px = line->lasting_sigma_px,
+                            .extent_m = {2.0 * fmax(half_px * fabs(right), HALF_WIDTH_MIN_PX) * pixel_m,
+                                         2.0 * fmax(half_px * down, HALF_WIDTH_MIN_PX) * pixel_m},
+                            .volume_pixels = (int32_t)lround(nearest->pixels),
+                            .foot_seen = line->foot_seen,
+                            .foot_share = line->foot_share,
+                            .line = true,
+                            .unrepeated = line->flat,
+                            .ellipse = {.center_u_px = u_px,
+                                        .center_v_px = v_px,
+                                        .axis_a_px = half_px,
+                                        .axis_b_px = HALF_WIDTH_MIN_PX,
+                                        .angle_deg = angle_deg > 90.0 ? angle_deg - 180.0 : angle_deg}};
   vista_triangulate(camera, &result);
   return result;
 }

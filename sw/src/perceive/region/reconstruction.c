@@ -51,7 +51,7 @@ vista_status vista_reconstruct_region(const vista_frame_view *frame, const vista
   vista_detection result = {
       .label = region->label,
       .plain = region->plain,
-      .foot_sigma_px = region->foot_sigma_px,
+      .lasting_sigma_px = region->foot_sigma_px,
       .volume_pixels = region->volume_pixels,
       .foot_seen = region->foot_seen,
       .foot_share = region->foot_share,

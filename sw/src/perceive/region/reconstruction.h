@@ -21,7 +21,9 @@
 typedef struct vista_detection {
   int32_t label; /* of the region */
   bool plain;    /* the region is told by its outline alone */
-  double foot_sigma_px; /* of the disparity of a plain one, by where its foot is: the same in each frame */
+  /* Of the disparity, an error that is the same in each frame: of a plain one by where its foot is, of a line by rows of
+   * the two images that do not match. */
+  double lasting_sigma_px;
   double u_px, v_px, disparity_px;
   double sigma_u_px, sigma_v_px, sigma_disparity_px; /* standard deviations, independent of one another */
   double position_camera_m[3];
@@ -35,7 +37,8 @@ typedef struct vista_detection {
   bool met; /* by the collision volume, there: */
   double met_camera_m[3];
   double met_sigma_m; /* of its range */
-  bool line;          /* a thin one, no region */
+  bool line; /* a thin one, no region */
+  bool unrepeated; /* it lies so flat that nothing repeats it along a row: it is no image of a texture */
   vista_ellipse ellipse;
 } vista_detection;
 
