@@ -48,7 +48,7 @@ def test_what_nobody_has_seen_is_not_flown_into() -> None:
         space.take(UNMATCHED, 1.0 + 0.1 * k)
     decision = Planner().decide(space, state_of(t_s=2.0), goal_of())
     assert decision.action == "holds"
-    assert {o.ruling for o in decision.options if o.primitive == "straight"} == {"by_unknown"}
+    assert {o.ends for o in decision.options if o.primitive == "straight"} == {"by_unknown"}
     assert not decision.points["velocity_m_s"].any()
 
 

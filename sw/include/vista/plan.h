@@ -33,7 +33,7 @@ VISTA_BEGIN
 #define VISTA_PLAN_MOST_POINTS 128  /* of a trajectory, at most */
 #define VISTA_PLAN_MOST_OPTIONS 224 /* that are weighed in a decision, at most */
 #define VISTA_PLAN_TRAIL 64    /* places that the vehicle has been at, which are kept */
-#define VISTA_PLAN_SECTORS 36  /* of the circle, in which the planner keeps what blocked it */
+#define VISTA_PLAN_SECTORS 36  /* of the circle, of which the planner keeps what it saw there */
 
 /* The vehicle at the time of the decision, not at that of the frame. */
 typedef struct vista_plan_state {
@@ -73,7 +73,6 @@ typedef enum vista_plan_primitive {
   VISTA_PLAN_CLIMB,
   VISTA_PLAN_DESCENT,
   VISTA_PLAN_STOP,
-  VISTA_PLAN_BACK, /* along the way that it came */
   VISTA_PLAN_LOITER, /* a circle that is flown until something passes */
   VISTA_PLAN_PRIMITIVE_COUNT
 } vista_plan_primitive;
@@ -141,9 +140,10 @@ typedef struct vista_planner {
   double wanted[3]; /* velocity that was decided last */
   int32_t trail_count, trail_next;
   double trail_m[VISTA_PLAN_TRAIL][3];
-  double blocked_m[VISTA_PLAN_SECTORS],
-      blocked_from_m[VISTA_PLAN_SECTORS][3]; /* what ended the view there; 0: not known */
-  int64_t blocked_ns[VISTA_PLAN_SECTORS];
+  /* How far each direction was free when it was last in view, what ended that, and where and when that was: */
+  double seen_m[VISTA_PLAN_SECTORS], seen_from_m[VISTA_PLAN_SECTORS][3];
+  vista_plan_ruling seen_ends[VISTA_PLAN_SECTORS];
+  int64_t seen_ns[VISTA_PLAN_SECTORS]; /* 0: never */
   vista_plan_decision plan; /* the last one that was committed to */
 } vista_planner;
 

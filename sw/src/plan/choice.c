@@ -11,17 +11,19 @@
 #define LOOK_AHEAD_MIN_M 10.0
 #define LOOK_AHEAD_MAX_M 50.0
 #define SLOW_S 2.0     /* for so long a slower manoeuvre is slower */
-#define BLOCKED_S 10.0 /* what a way costs that ends at once at something, */
-#define UNKNOWN_S 5.0  /* and in what nobody has seen */
-#define CHANGE_SHARE 0.3 /* of the time that a change of velocity takes */
-#define SIDE_S 1.5     /* for changing the side */
+#define ENDS_S 10.0    /* what a way costs that ends at once, at something or where nobody can tell, */
+#define VIEW_S 2.5     /* and one that nobody has looked at */
+#define CHANGE_SHARE 0.6 /* of the time that a change of velocity takes */
+#define SIDE_S 3.0     /* for changing the side */
 #define CLIMB_S 0.3    /* for leaving the height: what is beside is seen better than what is above */
-#define BACK_S 8.0
-#define STOP_S 30.0
+#define STOP_S 16.0
+#define AWAY_RADII 3.0 /* A way that ends nearer, in radii of the vehicle, leads nowhere. */
 #define ARRIVE_SHARE 0.5 /* of the acceleration, to stop at the goal with */
 #define ARRIVE_S 1.0 /* and no faster than what is left of the way, over this */
 #define REMEMBERED_NS INT64_C(15000000000)
+#define MOVED_SHARE 0.25 /* of how far it was free: who has moved farther knows no more of that direction */
 #define COLUMN_MARGIN 2 /* columns beside a direction that tell how far it is known to be free */
+#define SLOPE_MAX 0.35  /* of climbs and descents: what is steeper is out of view */
 #define UPRIGHT_LOOKS 3 /* places that are asked for on a way that climbs or descends */
 #define WIDE_SHARE 1.2  /* of the radius, beside something on a way ahead */
 
@@ -96,8 +98,15 @@ static double azimuth_deg(const vista_plan_space *space, const double direction[
   return VISTA_DEGREES_PER_RADIAN * atan2(vista_dot(camera, right), vista_dot(camera, ahead));
 }
 
-static bool column_is_in_view(const vista_directions *d, int32_t column) {
-  return d->free_m[column] > 0.0f || d->blocked_m[column] > 0.0f;
+static bool is_in_view(const vista_plan_space *space, double angle_deg) {
+  const vista_camera *const camera = space->seen.frame->camera;
+  if (!(fabs(angle_deg) < 89.0)) return false;
+  const double u_px = camera->center_u_px + camera->focal_px * tan(angle_deg * VISTA_RADIANS_PER_DEGREE);
+  return u_px >= 0.0 && u_px <= camera->width_px - 1.0;
+}
+
+bool vista_plan_is_in_view(const vista_plan_space *space, const double direction[3]) {
+  return is_in_view(space, azimuth_deg(space, direction));
 }
 
 /* What the columns of the frame say of a level direction, as wide as the vehicle. False: it is out of view. */
@@ -105,10 +114,9 @@ static bool ask_columns(const vista_plan_space *space, double angle_deg, double 
   const vista_directions *const d = &space->directions;
   const int32_t middle = (int32_t)floor(angle_deg - VISTA_DIRECTIONS_FIRST_DEG);
   *found = (freedom){.free_m = most_m};
-  if (middle < COLUMN_MARGIN || middle >= VISTA_DIRECTIONS - COLUMN_MARGIN) return false;
-  bool seen = false;
+  if (!is_in_view(space, angle_deg)) return false;
   for (int32_t k = middle - COLUMN_MARGIN; k <= middle + COLUMN_MARGIN; ++k) {
-    seen |= column_is_in_view(d, k);
+    if (k < 0 || k >= VISTA_DIRECTIONS || !is_in_view(space, VISTA_DIRECTIONS_FIRST_DEG + k + 0.5)) continue;
     if (d->blocked_m[k] > 0.0f || d->free_m[k] >= found->free_m) continue;
     *found = (freedom){.free_m = d->free_m[k], .ends = VISTA_PLAN_BY_UNKNOWN};
   }
@@ -119,7 +127,7 @@ static bool ask_columns(const vista_plan_space *space, double angle_deg, double 
     if (along_m > 0.0 && along_m < found->free_m && fabs(d->blocked_m[k] * sin(off)) < WIDE_SHARE * space->radius_m)
       *found = (freedom){.free_m = along_m, .ends = VISTA_PLAN_BY_PLACE};
   }
-  return seen;
+  return true;
 }
 
 /* Axes of the sectors: any level ones that depend on `up` alone. */
@@ -157,9 +165,10 @@ void vista_plan_remember(vista_planner *planner, const vista_plan_space *space, 
     for (int i = 0; i < 3; ++i) level[i] = cosine * first[i] + sine * second[i];
     freedom found;
     if (ask_columns(space, azimuth_deg(space, level), LOOK_AHEAD_MAX_M, &found)) {
-      planner->blocked_m[k] = found.ends == VISTA_PLAN_BY_PLACE ? found.free_m : 0.0;
-      planner->blocked_ns[k] = state->t_ns;
-      memcpy(planner->blocked_from_m[k], state->position_m, sizeof planner->blocked_from_m[k]);
+      planner->seen_m[k] = found.free_m;
+      planner->seen_ends[k] = found.ends;
+      planner->seen_ns[k] = state->t_ns;
+      memcpy(planner->seen_from_m[k], state->position_m, sizeof planner->seen_from_m[k]);
     }
     const double next = cosine * SECTOR_COS - sine * SECTOR_SIN;
     sine = sine * SECTOR_COS + cosine * SECTOR_SIN;
@@ -169,14 +178,16 @@ void vista_plan_remember(vista_planner *planner, const vista_plan_space *space, 
 
 static freedom recall(const vista_planner *planner, const vista_plan_state *state, const double level[3],
                       double most_m) {
+  const freedom unseen = {.ends = VISTA_PLAN_BY_VIEW};
   const int32_t k = sector_of(state->up, level);
-  if (!(planner->blocked_m[k] > 0.0) || state->t_ns - planner->blocked_ns[k] > REMEMBERED_NS)
-    return (freedom){.ends = VISTA_PLAN_BY_VIEW};
+  if (planner->seen_ns[k] == 0 || state->t_ns - planner->seen_ns[k] > REMEMBERED_NS) return unseen;
   double moved_m[3];
-  for (int i = 0; i < 3; ++i) moved_m[i] = state->position_m[i] - planner->blocked_from_m[k][i];
-  const double left_m = planner->blocked_m[k] - vista_dot(moved_m, level);
-  if (vista_norm(moved_m) > planner->blocked_m[k] || left_m >= most_m) return (freedom){.ends = VISTA_PLAN_BY_VIEW};
-  return (freedom){.free_m = fmax(left_m, 0.0), .ends = VISTA_PLAN_BY_PLACE};
+  for (int i = 0; i < 3; ++i) moved_m[i] = state->position_m[i] - planner->seen_from_m[k][i];
+  const double left_m = planner->seen_m[k] - vista_dot(moved_m, level);
+  if (vista_norm(moved_m) > fmax(MOVED_SHARE * planner->seen_m[k], planner->radius_m)) return unseen;
+  if (left_m >= most_m) return (freedom){.free_m = most_m};
+  return (freedom){fmax(left_m, 0.0),
+                   planner->seen_ends[k] == VISTA_PLAN_CHOSEN ? VISTA_PLAN_BY_VIEW : planner->seen_ends[k]};
 }
 
 static freedom level_freedom(const vista_planner *planner, const vista_plan_space *space, const vista_plan_state *state,
@@ -240,7 +251,7 @@ static double change_s(const list *l, const double velocity_m_s[3]) {
 
 static double ends_s(vista_plan_ruling ruling) {
   if (ruling == VISTA_PLAN_CHOSEN) return 0.0;
-  return ruling == VISTA_PLAN_BY_PLACE || ruling == VISTA_PLAN_BY_OBSTACLE ? BLOCKED_S : UNKNOWN_S;
+  return ruling == VISTA_PLAN_BY_VIEW ? VIEW_S : ENDS_S;
 }
 
 /* The manoeuvres of one direction: at each speed. */
@@ -250,7 +261,7 @@ static void add_speeds(const list *l, const double level[3], int32_t side, doubl
     const double speed_m_s = speeds[k] * l->aim->speed_m_s;
     const double most_m_s = p->params.climb_max_m_s;
     const double rise_m_s =
-        fmin(fmax(speeds[k] * l->aim->climb_m_s + share * fmin(most_m_s, 0.5 * speed_m_s), -most_m_s), most_m_s);
+        fmin(fmax(speeds[k] * l->aim->climb_m_s + share * fmin(most_m_s, SLOPE_MAX * speed_m_s), -most_m_s), most_m_s);
     vista_plan_option o = {.primitive = share > 0.0   ? VISTA_PLAN_CLIMB
                                         : share < 0.0 ? VISTA_PLAN_DESCENT
                                         : side != 0   ? VISTA_PLAN_ARC
@@ -263,6 +274,7 @@ static void add_speeds(const list *l, const double level[3], int32_t side, doubl
                change_s(l, velocity) + (share != 0.0 ? CLIMB_S : 0.0);
     const double missing = 1.0 - fmin(ahead->free_m / l->ahead_m, 1.0);
     o.cost_s += ends_s(ahead->ends) * missing;
+    if (ends_s(ahead->ends) == ENDS_S && ahead->free_m < AWAY_RADII * p->radius_m) o.cost_s += ENDS_S;
     o.free_m = ahead->free_m;
     o.ends = ahead->ends;
     if (side != 0 && p->side == -side) o.cost_s += SIDE_S;
@@ -286,28 +298,14 @@ static void add_direction(const list *l, int angle, int side) {
     freedom steep = ahead;
     if (climbs[k] != 0.0) {
       const double speed_m_s = l->aim->speed_m_s;
-      const double slope = climbs[k] * fmin(l->planner->params.climb_max_m_s / speed_m_s, 0.5);
+      const double slope = climbs[k] * fmin(l->planner->params.climb_max_m_s / speed_m_s, SLOPE_MAX);
       double direction[3];
       for (int i = 0; i < 3; ++i) direction[i] = (level[i] + slope * l->state->up[i]) / sqrt(1.0 + slope * slope);
       steep = steep_freedom(l->space, l->state, direction, l->ahead_m);
+      if (steep.ends == VISTA_PLAN_BY_UNKNOWN || steep.ends == VISTA_PLAN_BY_VIEW)
+        steep.ends = ahead.ends; /* what hides it is what ends the level way, and nobody looks up */
     }
     add_speeds(l, level, side, climbs[k], &steep);
-  }
-}
-
-/* Along the trail, slowly. */
-static void add_back(const list *l) {
-  const vista_planner *const p = l->planner;
-  for (int32_t k = 1; k <= p->trail_count; ++k) {
-    const double *const then_m = p->trail_m[(p->trail_next + VISTA_PLAN_TRAIL - k) % VISTA_PLAN_TRAIL];
-    vista_plan_option o = {.primitive = VISTA_PLAN_BACK, .speed_m_s = 0.2 * l->aim->speed_m_s, .cost_s = BACK_S};
-    double back[3];
-    for (int i = 0; i < 3; ++i) back[i] = then_m[i] - l->state->position_m[i];
-    const double length_m = vista_norm(back);
-    if (length_m < p->radius_m) continue;
-    for (int i = 0; i < 3; ++i) o.direction[i] = back[i] / length_m;
-    add(l, o);
-    return;
   }
 }
 
@@ -318,6 +316,5 @@ void vista_plan_list(const vista_planner *planner, vista_plan_space *space, cons
   for (int angle = 0; angle < ANGLES; ++angle)
     for (int side = -1; side <= 1; side += 2)
       if (angle > 0 || side > 0) add_direction(&l, angle, angle > 0 ? side : 0);
-  add_back(&l);
   add(&l, (vista_plan_option){.primitive = VISTA_PLAN_STOP, .cost_s = STOP_S});
 }

@@ -11,8 +11,8 @@ const char *vista_plan_action_name(vista_plan_action action) {
 }
 
 const char *vista_plan_primitive_name(vista_plan_primitive primitive) {
-  static const char *const names[VISTA_PLAN_PRIMITIVE_COUNT] = {"straight", "arc",  "climb", "descent",
-                                                                "stop",     "back", "loiter"};
+  static const char *const names[VISTA_PLAN_PRIMITIVE_COUNT] = {"straight", "arc",  "climb",
+                                                                "descent",  "stop", "loiter"};
   return name_of(names, VISTA_PLAN_PRIMITIVE_COUNT, (unsigned)primitive);
 }
 

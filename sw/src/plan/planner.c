@@ -20,7 +20,8 @@
 #define SIDE_MIN 0.15 /* sine of the angle from the aim that counts as a side */
 #define HELPLESS_MOST 24 /* manoeuvres that are asked for when nothing is free */
 #define LOOK_ASIDE 0.42 /* sine of the angle by which a vehicle that flies looks aside of its way at most, */
-#define LOOK_AHEAD 0.91 /* and its cosine */
+#define LOOK_AHEAD 0.91 /* and its cosine, */
+#define LOOK_SHARE 0.45 /* unless it is slower than this share of the goal's speed */
 
 vista_status vista_planner_start(vista_planner *planner, const vista_parameters *parameters) {
   if (planner == NULL || parameters == NULL) return VISTA_ERROR_ARGUMENT;
@@ -148,11 +149,12 @@ static void look_for(const work *w, double heading[3]) {
     const vista_plan_option *const o = &d->options[k];
     double wanted[3];
     const bool unseen = o->ruling == VISTA_PLAN_BY_VIEW || o->ruling == VISTA_PLAN_BY_UNKNOWN;
-    if (!unseen || o->primitive == VISTA_PLAN_BACK || !vista_plan_level(w->state->up, o->direction, wanted)) continue;
+    if (!unseen || !vista_plan_level(w->state->up, o->direction, wanted)) continue;
+    if (vista_plan_is_in_view(&w->space, wanted)) continue;
     memcpy(heading, wanted, sizeof wanted);
     break;
   }
-  if (!flies) return;
+  if (!flies || chosen->speed_m_s < LOOK_SHARE * w->aim.speed_m_s) return;
   double left[3];
   vista_cross(w->state->up, flown, left);
   const double aside = vista_dot(left, heading);
@@ -162,18 +164,16 @@ static void look_for(const work *w, double heading[3]) {
   for (int i = 0; i < 3; ++i) heading[i] /= length;
 }
 
+/* The side to which the way was left counts until it has been direct again for a while. */
 static void keep_side(const work *w) {
   const vista_plan_decision *const d = w->decision;
   vista_planner *const p = w->planner;
   double left[3];
   vista_cross(w->state->up, w->aim.level, left);
   const double aside = d->chosen >= 0 ? vista_dot(left, d->options[d->chosen].direction) : 0.0;
-  if (fabs(aside) > SIDE_MIN) {
-    p->side = aside > 0.0 ? 1 : -1;
-    p->side_ns = w->state->t_ns;
-  } else if (w->state->t_ns - p->side_ns > SIDE_NS) {
-    p->side = 0;
-  }
+  if (d->action != VISTA_PLAN_PROCEEDS) p->side_ns = w->state->t_ns;
+  if (fabs(aside) > SIDE_MIN) p->side = aside > 0.0 ? 1 : -1;
+  if (w->state->t_ns - p->side_ns > SIDE_NS) p->side = 0;
 }
 
 static void commit(const work *w) {

@@ -13,7 +13,6 @@
 #define NOW_SHARE \
   0.25 /* of the lines of sight that go on beyond a free place in the newest frame that has it in view */
 #define OWN_SHARE 0.5 /* of the radius, around where the vehicle has been: free */
-#define NEAR_SHARE 0.6 /* of the depth of a place: the ball that fits into the view */
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
@@ -91,12 +90,8 @@ static bool is_own(const vista_plan_space *space, const double point_m[3]) {
 
 /* What stands at a place, or is known of it. */
 static vista_plan_place ask(const vista_plan_space *space, const double point_m[3]) {
-  const vista_frame_view *const frame = space->seen.frame;
   const vista_obstacle *const thing = obstacle_at(space, false, point_m, 0.0);
-  double camera_m[3], radius_m = space->radius_m;
-  vista_frame_to_camera(&frame->motion.pose, point_m, camera_m);
-  if (camera_m[2] > 0.0) radius_m = fmin(radius_m, NEAR_SHARE * camera_m[2]);
-  vista_path_place place = {.shown = vista_space_map_look(space->seen.space, point_m, radius_m)};
+  vista_path_place place = {.shown = vista_space_map_look_around(space->seen.space, point_m, space->radius_m)};
   if (thing != NULL && thing->kind == VISTA_OBSTACLE_GROUND) place.ground = true;
   if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = place.beside = true;
   place.probability = vista_path_place_probability(&place);
@@ -142,8 +137,7 @@ bool vista_plan_check(vista_plan_space *space, const vista_plan_decision *plan, 
       const vista_plan_place place = vista_plan_look(space, point_m, after_s);
       memcpy(last_m, point_m, sizeof last_m);
       if (place.ruling == VISTA_PLAN_CHOSEN || (occupied_alone && !place.occupied)) continue;
-      if (place.own && (!last || option->primitive == VISTA_PLAN_STOP || option->primitive == VISTA_PLAN_BACK))
-        continue;
+      if (place.own && (!last || option->primitive == VISTA_PLAN_STOP)) continue;
       option->ruling = place.ruling;
       option->obstacle_id = place.obstacle_id;
       option->after_s = after_s;

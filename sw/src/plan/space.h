@@ -3,9 +3,8 @@
  * Places stand along it as far apart as the map can tell them apart, each a ball of the collision radius and twice the
  * error of the position. What the last frames show of a place is weighed as on the flight path (path_places.h), with the
  * confirmed obstacles that reach into it; and the newest frame that has it in view has to see through it, too. Where
- * the vehicle has been, and half a radius around, is free; but nobody ends there who does not stop or go back, lest what is
- * unknown be entered step by step. So near that a ball does not fit into the view, a smaller one
- * is looked at. What moves by itself is where it will be at that time. */
+ * the vehicle has been, and half a radius around, is free; but what ends there has to be a stop, lest what is unknown be
+ * entered step by step. What moves by itself is where it will be at that time. */
 #ifndef VISTA_PLAN_SPACE_H
 #define VISTA_PLAN_SPACE_H
 

@@ -16,6 +16,8 @@
 #define FRACTIONS 65536.0
 #define IN_VIEW_MIN 12   /* lines of sight that a frame needs to tell of a place, */
 #define IN_VIEW_SHARE 0.25 /* and of all that lead to it this share */
+#define FIT_SHARE 0.6     /* of its depth: the radius of a ball that fits into the view; */
+#define NEAREST_SHARE 0.5 /* one that is nearer than this share of its radius is beside the camera */
 #define TOLERANCE_PX 0.75 /* A word is at the place if it differs by less than this, */
 #define TOLERANCE_SHARE 0.03 /* or by less than this share of the place's disparity. */
 #define VOTE_MIN 3.0     /* A frame votes if so many lines of sight end at the place, */
@@ -102,18 +104,29 @@ typedef struct disc {
 /* Steps from `first` on to the first one that is at least at `least`. */
 static inline double steps_to(double first, double step, double least) { return ceil((least - first) / step); }
 
-static looks look_through(const vista_evidence *e, const vista_camera *camera, const double point_m[3],
-                          double radius_m) {
+/* The words that are no farther from a depth than that, both included. */
+static range range_around(const vista_camera *camera, double depth_m, double deep_m) {
+  const double scale = camera->focal_px * camera->baseline_m;
+  range at = range_at(scale / depth_m);
+  if (!(deep_m > 0.0)) return at;
+  at.farthest = range_at(scale / (depth_m + deep_m)).farthest;
+  at.nearest = deep_m < depth_m ? range_at(scale / (depth_m - deep_m)).nearest : INT16_MAX;
+  return at;
+}
+
+static looks look_through(const vista_evidence *e, const vista_camera *camera, const double point_m[3], double radius_m,
+                          double deep_m) {
   looks l = {0};
   double c[3];
   vista_frame_to_camera(&e->pose, point_m, c);
+  if (deep_m > 0.0 && c[2] > NEAREST_SHARE * radius_m) radius_m = fmin(radius_m, FIT_SHARE * c[2]);
   if (!(c[2] > radius_m)) return l; /* the camera is in it, or beyond it */
-  const double scale = camera->focal_px / c[2], wanted_px = scale * camera->baseline_m;
+  const double scale = camera->focal_px / c[2];
   disc d = {.u = (camera->center_u_px + scale * c[0]) / e->step_px,
             .v = (camera->center_v_px + scale * c[1]) / e->step_px,
             .reach = scale * radius_m / e->step_px};
   d.step = fmax(1.0, 2.0 * d.reach / SAMPLES);
-  const range at = range_at(wanted_px);
+  const range at = range_around(camera, c[2], deep_m);
   if (!(d.u + d.reach >= 0.0 && d.u - d.reach < e->width && d.v + d.reach >= 0.0 && d.v - d.reach < e->height))
     return l;
   const double top = d.v - d.reach + 0.5 * d.step, left = d.u - d.reach + 0.5 * d.step;
@@ -182,14 +195,22 @@ static void take_looks(vista_place_evidence *found, const vista_evidence *e, con
   found->beyond += (beyond - found->beyond) / found->frames;
 }
 
-vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m) {
+static vista_place_evidence look(const vista_space_map *map, const double point_m[3], double radius_m, double deep_m) {
   vista_place_evidence found = {0};
   for (int32_t age = 0; age < map->count; ++age) {
     const vista_evidence *const e = vista_space_map_frame(map, age);
-    const looks l = look_through(e, &map->camera, point_m, radius_m);
+    const looks l = look_through(e, &map->camera, point_m, radius_m, deep_m);
     if (l.all >= IN_VIEW_MIN && l.all >= IN_VIEW_SHARE * l.asked) take_looks(&found, e, &l, age);
   }
   return found;
+}
+
+vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m) {
+  return look(map, point_m, radius_m, 0.0);
+}
+
+vista_place_evidence vista_space_map_look_around(const vista_space_map *map, const double point_m[3], double radius_m) {
+  return look(map, point_m, radius_m, radius_m);
 }
 
 vista_place_evidence vista_space_map_look_upright(const vista_space_map *map, const vista_upright *line,

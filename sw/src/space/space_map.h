@@ -47,8 +47,12 @@ void vista_space_map_reset(vista_space_map *map);
 /* Takes what a frame shows. */
 void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, const vista_surfaces *surfaces);
 
-/* What is known of the ball of this radius around a point of the world. */
+/* What is known of the disc of this radius around a point of the world, as deep as the map can tell. */
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m);
+
+/* What is known of the ball of this radius, all of its depth. A frame that it does not fit into the view of tells of as
+ * much as does. */
+vista_place_evidence vista_space_map_look_around(const vista_space_map *map, const double point_m[3], double radius_m);
 
 /* An upright line in the world: what is flown along needs so much height. */
 typedef struct vista_upright {
