@@ -28,7 +28,7 @@ class State(Struct):
 
 
 class Goal(Struct):
-    """Where to: Goal.made(from_m=..., to_m=..., speed_m_s=...)."""
+    """A place to fly to: Goal.made(from_m=..., to_m=..., speed_m_s=...)."""
 
     NAME = "vista_plan_goal"
     from_m: Array
