@@ -45,7 +45,7 @@ typedef struct vista_plan_state {
   double position_sigma_m; /* standard deviation of the position in the world of the frames, each axis */
 } vista_plan_state;
 
-/* Where to. A leg of a mission is kept to beside its line; a point by itself has from_m equal to to_m. */
+/* A place to fly to. A leg of a mission is kept to beside its line; a point by itself has from_m equal to to_m. */
 typedef struct vista_plan_goal {
   double from_m[3], to_m[3];
   double speed_m_s; /* to fly at where nothing is in the way; of a fixed wing, its own speed */
