@@ -67,6 +67,8 @@ def test_a_drawn_flight(tmp_path: Path, drawn_flight: Path, rows: int) -> None:
     lines, run = compare(tmp_path, drawn_flight, f"{ON}[stereo]\nrectify_rows = {rows}\n", FRAMES)
     corrected(run, DRAWN)
     states = [json.loads(line)["health"] for line in lines]
+    for state in states:  # in this texture everything moves alike, however far it is
+        state["reasons"] = [reason for reason in state["reasons"] if reason != "motion_doubtful"]
     assert states[FIRST] == {"state": "blind", "reasons": ["rows_misaligned"]}
     assert states[FIRST - 1]["reasons"] == states[-1]["reasons"] == []
 
@@ -130,5 +132,7 @@ def test_another_flight_begins_with_the_calibration(tmp_path: Path) -> None:
     run = fly("--recording", tmp_path / "twice.vista", *options)
     assert "1 restarts" in run.stderr
     lines = [re.sub('"id": [0-9]+', "", line) for line in timeless(tmp_path / "lines.jsonl")]  # ids go on
-    assert lines[:16] == lines[16:]
+    assert not any("time_jump" in line for line in lines[:16]) and "time_jump" in lines[16]
+    without_health = [re.sub('"health": .*?]}', "", line) for line in lines]
+    assert without_health[:16] == without_health[16:]
     assert said(run)[2] >= 2 and said(run)[2] % 2 == 0

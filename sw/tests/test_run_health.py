@@ -98,7 +98,7 @@ FAULTS: dict[str, tuple[Damage, Reason, State, list[int], str]] = {
         Reason.ROWS_MISALIGNED,
         State.BLIND,
         ALL,
-        "features lie +6.0 px apart in rows",
+        "features lie 6.0 px apart in rows",
     ),
     "right image 1.5 rows off": (
         lambda folder: each_image(
@@ -109,7 +109,7 @@ FAULTS: dict[str, tuple[Damage, Reason, State, list[int], str]] = {
         Reason.ROWS_MISALIGNED,
         State.DEGRADED,
         ALL,
-        "features lie +1.5 px apart in rows",
+        "features lie 1.4 px apart in rows",
     ),
     "right image of another scene": (
         other_scene,

@@ -61,9 +61,14 @@ static bool set_address(transport *t, const char *host, long port) {
   return true;
 }
 
+/* Whoever is told on this machine answers on it, and nobody else is listened to. */
 static bool bind_to(const transport *t, int port) {
   struct sockaddr_in four = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
   struct sockaddr_in6 six = {.sin6_family = AF_INET6, .sin6_port = htons((uint16_t)port)};
+  const in_addr_t told = ((const struct sockaddr_in *)(const void *)&t->address)->sin_addr.s_addr;
+  const struct in6_addr *const told6 = &((const struct sockaddr_in6 *)(const void *)&t->address)->sin6_addr;
+  if (ntohl(told) >> 24 == IN_LOOPBACKNET) four.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (t->address.ss_family == AF_INET6 && IN6_IS_ADDR_LOOPBACK(told6)) six.sin6_addr = in6addr_loopback;
   if (t->address.ss_family == AF_INET) return bind(t->file, (struct sockaddr *)(void *)&four, sizeof four) == 0;
   return bind(t->file, (struct sockaddr *)(void *)&six, sizeof six) == 0;
 }
@@ -76,8 +81,12 @@ static bool open_udp(transport *t, const char *target, char *rest, int listen_po
   if (!set_address(t, rest, port))
     return problem_say(p, target, "no numeric address: names are not looked up in flight");
   t->file = socket(t->address.ss_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (t->file < 0 || !bind_to(t, listen_port)) return problem_errno(p, target, errno);
-  return true;
+  if (t->file < 0) return problem_errno(p, target, errno);
+  if (bind_to(t, listen_port)) return true;
+  const int number = errno;
+  char port_text[32];
+  (void)snprintf(port_text, sizeof port_text, "--listen %d", listen_port);
+  return problem_errno(p, listen_port > 0 ? port_text : target, number);
 }
 
 static bool open_line(transport *t) {

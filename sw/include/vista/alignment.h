@@ -60,6 +60,7 @@ typedef struct vista_alignment_result {
   int32_t features;      /* places of the left image with enough texture that were looked for */
   int32_t matched;       /* those found in one place of the right image */
   int32_t agreeing;      /* those that agree on one turn; 0: there is none */
+  bool unexplained;      /* there is texture in this pair and the one before, but their rows agree on no turn */
 } vista_alignment_result;
 
 /* An estimator for one pair of cameras. */

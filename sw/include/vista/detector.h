@@ -47,6 +47,7 @@ typedef struct vista_detector vista_detector;
 typedef struct vista_detector_options {
   bool every_pair; /* judges pairs that repeat the one before, too: a recording that is played patiently */
   bool stills; /* each pair shows another scene: it is judged by itself, and one hit confirms an obstacle */
+  bool other_words; /* words come from a matcher that is not the one of the contract, and are not compared with its */
   bool motion_watched; /* the program finds out by itself whether the camera moves where no pose is given */
 } vista_detector_options;
 
@@ -93,7 +94,7 @@ typedef struct vista_finding {
 typedef struct vista_detector_result {
   vista_result result;
   vista_directions directions;
-  vista_alignment_result alignment; /* of zeros where alignment.correct is off */
+  vista_alignment_result alignment; /* of zeros where no two images are given */
   int32_t finding_count;
   vista_finding findings[VISTA_LINE_REASONS]; /* calibration, images, alignment, motion, then those of vista_result */
   int32_t next_finding; /* where vista_detector_add puts the next one */

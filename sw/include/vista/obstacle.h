@@ -141,6 +141,14 @@ typedef enum vista_health_reason {
   VISTA_HEALTH_ALIGNMENT_LOST, /* the cameras are turned against each other by more than is corrected, or unknown: given
                                   by vista_alignment_judge, not by the pipeline */
   VISTA_HEALTH_ROWS_MISALIGNED, /* matching features lie apart in rows: given by vista_alignment_judge, too */
+  /* Given by vista/detector.h, which sees pairs and what was seen before them: */
+  VISTA_HEALTH_IMAGES_FROZEN, /* an image is the one of the pair before, while the vehicle moves: blind */
+  VISTA_HEALTH_VIEW_STUCK, /* where the flight leads, part of an image is as it was, while the vehicle moves */
+  VISTA_HEALTH_MOMENTS_DIFFER, /* the rows of features of both images agree on no turn of the cameras: blind */
+  VISTA_HEALTH_WORDS_DIFFER, /* words from elsewhere are not those of the images */
+  VISTA_HEALTH_MOTION_DOUBTFUL, /* the image moves otherwise than the poses say */
+  VISTA_HEALTH_DISPARITIES_OFF, /* disparities do not change as the motion says: a turn in yaw, or a wrong baseline */
+  VISTA_HEALTH_TIME_JUMP, /* the times went back, or far ahead: what was seen before is of no use */
   VISTA_HEALTH_REASON_COUNT
 } vista_health_reason;
 

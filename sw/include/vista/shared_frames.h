@@ -50,7 +50,8 @@ typedef struct vista_shared_frame {
 /* A ring that this program writes, in memory of the caller. Its members are the library's own. */
 typedef struct vista_shared_frames {
   unsigned char *memory;
-  size_t bytes;
+  size_t bytes, slot_bytes;
+  int32_t width_px, height_px;
   uint32_t number;
   char path[96];
 } vista_shared_frames;

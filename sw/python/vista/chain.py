@@ -9,7 +9,15 @@ from typing import Protocol, Self, cast
 from vista import parameters
 from vista.control_grid import GridPair
 from vista.detector import Detector, MatchedPair, Novelty
-from vista.engine import LR_OFF, RECTIFYING_ENGINES, Engine, EngineParameters, StereoEngine, create_engine
+from vista.engine import (
+    LR_OFF,
+    RECTIFYING_ENGINES,
+    Engine,
+    EngineParameters,
+    OpenCvEngine,
+    StereoEngine,
+    create_engine,
+)
 from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.errors import InputError
 from vista.geometry import Pose
@@ -81,7 +89,9 @@ def make_chain(
         raise InputError(f"engine {engine_name}", str(error)) from None
     camera, monitor = rectifier.calibration, HealthMonitor(sequence)
     try:
-        detector = Detector(rectifier, values, monitor.of_run, sequence.stills, every_pair)
+        detector = Detector(
+            rectifier, values, monitor.of_run, sequence.stills, every_pair, isinstance(engine, OpenCvEngine)
+        )
     except ValueError as error:
         raise InputError(sequence.name, f"images of {camera.width}x{camera.height} px: {error}") from None
     odometry = StereoOdometry(camera) if sequence.odometry else None
@@ -158,7 +168,7 @@ def finish(chain: Chain, raw: Frame, clock: StageClock, anew: bool = False) -> S
     with clock.stage("checks"):
         besides: tuple[Finding, ...] = ()
         if chain.monitor is not None:
-            besides = chain.monitor.check(pair, result.health.matched_fraction, alignment, detector.shown)
+            besides = chain.monitor.check(pair, result.health.matched_fraction, detector.rows, detector.shown)
     record = FrameRecord(
         result.outcome,
         result.items,
@@ -185,7 +195,7 @@ def _stage_ms(chain: Chain, own: dict[str, float], host: dict[str, float]) -> di
     rectify_ms, _, alignment_ms = chain.detector.times_ms
     times = {"read": own.get("read"), "rectify": rectify_ms, "stereo": own["stereo"]}
     times |= {
-        "alignment": alignment_ms if chain.detector.alignment else None,
+        "alignment": None if chain.sequence.stills else alignment_ms,
         "odometry": own.get("odometry"),
     }
     stage_ms = {name: ms for name, ms in times.items() if ms is not None} | host

@@ -69,13 +69,15 @@ class Detector:
         problems: Iterable[Finding] = (),
         stills: bool = False,
         every_pair: bool = True,
+        other_words: bool = False,
     ) -> None:
         """problems: what is wrong with the calibration; every_pair: pairs that repeat the one before are
-        judged, too. Raises ValueError for images of a size that is not handled."""
+        judged, too; other_words: words come from a matcher that is not that of the contract. Raises
+        ValueError for images of a size that is not handled."""
         self._ffi, self._lib = ffi, lib = native.load("vista")
         self._rectifier = rectifier
         self._rig, self._leads_to = c_rig(ffi, rectifier, problems)
-        options = ffi.new("vista_detector_options *", (every_pair, stills, True))
+        options = ffi.new("vista_detector_options *", (every_pair, stills, other_words, True))
         given = c_parameters(ffi, lib, values), self._rig, options
         size, handle = ffi.new("size_t *"), ffi.new("vista_detector **")
         self._check(lib.vista_detector_bytes(*given, size))
@@ -146,6 +148,22 @@ class Detector:
         taken = self._taken
         return read_result(ffi, self._lib, outcome, directions, lambda: self._taken == taken)
 
+    def reset(self) -> None:
+        """Forgets everything: what comes next does not continue what came before."""
+        self._lib.vista_detector_reset(self._detector)
+
+    def forget(self) -> None:
+        """Forgets the tracks alone, as after a frame that was refused."""
+        self._lib.vista_detector_forget(self._detector)
+
+    def state(self) -> bytes:
+        """Everything that the detector knows, for `resume`: all of it lies in its memory."""
+        return bytes(self._ffi.buffer(self._memory))
+
+    def resume(self, state: bytes) -> None:
+        """Goes on from a state of this detector."""
+        self._ffi.memmove(self._memory, state, len(state))
+
     @property
     def in_c(self) -> Any:
         """The vista_detector itself, for what else of libvista asks it."""
@@ -154,8 +172,11 @@ class Detector:
     @property
     def alignment(self) -> Alignment | None:
         """What the pair that was judged says of the alignment of the cameras; None: it is not looked at."""
-        if not self._corrects:
-            return None
+        return self.rows if self._corrects else None
+
+    @property
+    def rows(self) -> Alignment:
+        """What the pair that was judged says of the rows of both images, corrected or not."""
         return Alignment.copied(self._ffi, self._ffi.addressof(self._found, "alignment"))
 
     @property

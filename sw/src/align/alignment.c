@@ -246,6 +246,7 @@ vista_status vista_alignment_update(vista_alignment *a, const vista_image *left,
   const bool measured = fit.agreed && take(a, &fit, applied);
   const bool unexplained = !measured && is_unexplained(&a->matches, &fit);
   watch(a, measured, unexplained, passed_s);
+  const bool again = unexplained && a->was_unexplained;
   a->was_unexplained = unexplained;
   a->wide = !measured;
 
@@ -264,7 +265,8 @@ vista_status vista_alignment_update(vista_alignment *a, const vista_image *left,
                                .row_error_90_px = fit.row_error_90_px,
                                .features = a->matches.features,
                                .matched = a->matches.count,
-                               .agreeing = fit.agreed ? fit.agreeing : 0};
+                               .agreeing = fit.agreed ? fit.agreeing : 0,
+                               .unexplained = again && !fit.agreed};
   return VISTA_OK;
 }
 

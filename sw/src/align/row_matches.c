@@ -23,7 +23,7 @@
 #define FLAT_SPREAD 4.0f /* of a tile that tells nothing, and would correlate by chance */
 #define TURN_STEP 7919U /* a prime: tiles are visited in an order that differs from pair to pair */
 
-static void level_layout(int32_t width_px, int32_t height_px, vista_arena *arena, vista_level *level) {
+void vista_level_layout(int32_t width_px, int32_t height_px, vista_arena *arena, vista_level *level) {
   *level = (vista_level){.width_px = width_px, .height_px = height_px};
   level->pixels = vista_arena_take(arena, (size_t)width_px * (size_t)height_px, 1);
 }
@@ -35,8 +35,8 @@ void vista_row_matches_layout(int32_t width_px, int32_t height_px, double reach_
   *m = (vista_row_matches){.reach_rows = (int32_t)ceil(reach_px / 4.0) + 1,
                            .reach_columns = width_px / DISPARITY_SHARE / 4};
   for (int side = 0; side < 2; ++side) {
-    level_layout(width_px / 2, height_px / 2, arena, &m->half[side]);
-    level_layout(width_px / 4, height_px / 4, arena, &m->quarter[side]);
+    vista_level_layout(width_px / 2, height_px / 2, arena, &m->half[side]);
+    vista_level_layout(width_px / 4, height_px / 4, arena, &m->quarter[side]);
   }
   const size_t width = (size_t)width_px / 4, height = (size_t)height_px / 4;
   m->spread = vista_arena_take(arena, width * height, sizeof *m->spread);
@@ -55,6 +55,8 @@ VISTA_WIDE_VECTORS static void halve(const uint8_t *pixels, ptrdiff_t stride, co
       row[u] = (uint8_t)((a[2 * u] + a[2 * u + 1] + b[2 * u] + b[2 * u + 1] + 2) >> 2);
   }
 }
+
+void vista_level_halve(const uint8_t *pixels, ptrdiff_t stride, const vista_level *out) { halve(pixels, stride, out); }
 
 /* Not for keeping secrets: two images of a camera that works differ in so many pixels that it cannot miss it. */
 static uint64_t digest_of(const vista_level *level) {
@@ -100,8 +102,7 @@ VISTA_WIDE_VECTORS static void measure_spread(const vista_level *right, int32_t 
   }
 }
 
-/* Whether a tile shows corners: its gradients span both directions. */
-static bool has_corners(const vista_level *left, int32_t u0, int32_t v0, double least) {
+bool vista_tile_has_corners(const vista_level *left, int32_t u0, int32_t v0, double least) {
   int32_t uu = 0, uv = 0, vv = 0;
   const ptrdiff_t width = left->width_px;
   for (int32_t v = v0; v < v0 + TILE; ++v) {
@@ -203,8 +204,8 @@ void vista_row_matches_find(const vista_image *left, const vista_image *right, d
   m->features = m->ambiguous = m->count = 0;
   m->frozen = false;
   for (int side = 0; side < 2; ++side) {
-    halve(images[side]->data, images[side]->stride, &m->half[side]);
-    halve(m->half[side].pixels, m->half[side].width_px, &m->quarter[side]);
+    vista_level_halve(images[side]->data, images[side]->stride, &m->half[side]);
+    vista_level_halve(m->half[side].pixels, m->half[side].width_px, &m->quarter[side]);
     const uint64_t digest = digest_of(&m->quarter[side]);
     m->frozen |= digest == m->digests[side];
     m->digests[side] = digest;
@@ -221,6 +222,6 @@ void vista_row_matches_find(const vista_image *left, const vista_image *right, d
   uint32_t tile = m->turn++ * 31U % tiles;
   for (uint32_t k = 0; k < tiles && m->features < VISTA_ROW_MATCHES_MOST; ++k, tile = (tile + step) % tiles) {
     const int32_t u0 = 1 + (int32_t)(tile % across) * TILE, v0 = 1 + (int32_t)(tile / across) * TILE;
-    if (has_corners(level, u0, v0, least)) look_for(m, wide ? m->reach_rows : reach_near, u0, v0);
+    if (vista_tile_has_corners(level, u0, v0, least)) look_for(m, wide ? m->reach_rows : reach_near, u0, v0);
   }
 }

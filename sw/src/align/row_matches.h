@@ -8,6 +8,7 @@
 #define VISTA_SRC_ALIGNMENT_ROW_MATCHES_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "common/arena.h"
@@ -27,6 +28,14 @@ typedef struct vista_level {
   uint8_t *pixels; /* without gaps */
   int32_t width_px, height_px;
 } vista_level;
+
+void vista_level_layout(int32_t width_px, int32_t height_px, vista_arena *arena, vista_level *level);
+
+/* Means of 2 x 2 pixels. */
+void vista_level_halve(const uint8_t *pixels, ptrdiff_t stride, const vista_level *out);
+
+/* Whether a tile shows corners: its gradients, root mean square, are more than `least` in both directions. */
+bool vista_tile_has_corners(const vista_level *level, int32_t u0, int32_t v0, double least);
 
 typedef struct vista_row_matches {
   int32_t reach_rows;       /* at a quarter of the size: up and down */

@@ -8,6 +8,7 @@
 #include "detector/findings.h"
 #include "detector/levels.h"
 #include "detector/pipeline_stages.h"
+#include "health/watch.h"
 #include "vista/correction.h"
 #include "vista/frontend.h"
 
@@ -20,6 +21,9 @@ struct vista_detector {
   vista_parameters parameters;
   vista_levels levels;
   vista_correction *correction; /* null: it is not asked for */
+  vista_alignment *alignment; /* looks at the rows where they are not corrected; null: nor can they be looked at */
+  vista_watch *watch; /* null: stills, which follow on nothing */
+  double words_differ; /* share of the words from elsewhere that are not those of the images */
   vista_pipeline *pipeline;
   uint8_t *before[2]; /* raw images of the pair before; null: each pair is new */
   int64_t t_ns;       /* of the pair in work, or of the one before */
@@ -36,8 +40,8 @@ struct vista_detector {
 /* ---- memory ---- */
 
 typedef struct room {
-  void *correction, *pipeline;
-  size_t correction_bytes, pipeline_bytes;
+  void *correction, *alignment, *pipeline;
+  size_t correction_bytes, alignment_bytes, pipeline_bytes;
 } room;
 
 static vista_right_rectification right_of(const vista_rig *rig) {
@@ -65,10 +69,19 @@ static vista_status lay_out(vista_detector *d, vista_arena *arena, room *r) {
   vista_status status = vista_pipeline_bytes(&d->parameters, camera, &r->pipeline_bytes);
   if (status == VISTA_OK && corrects(d))
     status = vista_correction_bytes(&d->parameters, camera, &right, &r->correction_bytes);
+  else if (status == VISTA_OK && vista_alignment_bytes(&d->parameters, camera, &r->alignment_bytes) != VISTA_OK)
+    r->alignment_bytes = 0; /* images that are too small for it */
   if (status == VISTA_OK) status = vista_levels_layout(&d->levels, arena, &d->parameters.stereo, camera);
   if (status != VISTA_OK) return status;
   for (int side = 0; side < 2 && !d->options.every_pair && !d->options.stills; ++side)
     d->before[side] = vista_arena_take(arena, (size_t)camera->width_px * (size_t)camera->height_px, 1);
+  if (!d->options.stills) {
+    d->watch = vista_arena_take(arena, 1, sizeof *d->watch);
+    vista_watch counted;
+    vista_watch_layout(d->watch != NULL ? d->watch : &counted, arena, camera,
+                       d->parameters.obstacle_map.collision_radius_m);
+  }
+  r->alignment = vista_arena_take(arena, r->alignment_bytes, 1);
   r->correction = vista_arena_take(arena, r->correction_bytes, 1);
   r->pipeline = vista_arena_take(arena, r->pipeline_bytes, 1);
   return arena->base == NULL || arena->used <= arena->size ? VISTA_OK : VISTA_ERROR_MEMORY;
@@ -102,6 +115,8 @@ vista_status vista_detector_create(void *memory, size_t bytes, const vista_param
   if (status == VISTA_OK && corrects(d))
     status =
         vista_correction_create(r.correction, r.correction_bytes, &d->parameters, &rig->camera, &right, &d->correction);
+  if (status == VISTA_OK && r.alignment_bytes > 0)
+    status = vista_alignment_create(r.alignment, r.alignment_bytes, &d->parameters, &rig->camera, &d->alignment);
   if (status == VISTA_OK)
     status = vista_pipeline_create(r.pipeline, r.pipeline_bytes, &d->parameters, &rig->camera, &d->pipeline);
   if (status == VISTA_OK) *detector = d;
@@ -117,8 +132,15 @@ void vista_detector_forget(vista_detector *d) {
   d->placed = false;
 }
 
+/* What was seen before says nothing of what comes. */
+static void look_anew(vista_detector *d) {
+  if (d->watch != NULL) vista_watch_reset(d->watch);
+  if (d->alignment != NULL) vista_alignment_reset(d->alignment);
+}
+
 void vista_detector_reset(vista_detector *d) {
   vista_detector_forget(d);
+  look_anew(d);
   if (d->correction != NULL) vista_correction_reset(d->correction);
 }
 
@@ -168,6 +190,7 @@ vista_status vista_detector_take(vista_detector *d, const vista_detector_pair *p
   *novelty = novelty_of(d, pair);
   if (*novelty == VISTA_PAIR_REPEATED) return VISTA_OK;
   if (*novelty == VISTA_PAIR_RESTARTED) vista_detector_reset(d);
+  if (*novelty == VISTA_PAIR_RESTARTED && !pair->restarts && d->watch != NULL) vista_watch_time_went_back(d->watch);
   d->began = true;
   d->t_ns = pair->t_ns;
   d->has_right = pair->right.data != NULL;
@@ -190,6 +213,9 @@ vista_status vista_detector_match(vista_detector *d, const vista_disparity_image
   const double start_ms = vista_clock_ms();
   const vista_status status = words != NULL ? vista_levels_take(&d->levels, words) : vista_levels_match(&d->levels);
   d->match_ms = vista_clock_ms() - start_ms;
+  d->words_differ = 0.0;
+  if (words != NULL && status == VISTA_OK && d->has_right && !d->options.other_words)
+    d->words_differ = vista_levels_differ(&d->levels);
   d->progress = status == VISTA_OK ? PROGRESS_MATCHED : PROGRESS_TAKEN;
   return status;
 }
@@ -220,12 +246,22 @@ static bool fits(const vista_detector *d) {
 }
 
 static vista_status align(vista_detector *d, vista_detector_result *result) {
-  if (d->correction == NULL || !d->has_right) return VISTA_OK;
+  if ((d->correction == NULL && d->alignment == NULL) || !d->has_right) return VISTA_OK;
   const double start_ms = vista_clock_ms();
   const vista_image left = kept(d, d->levels.images[0][0]), right = kept(d, d->levels.images[1][0]);
-  const vista_status status = vista_correction_update(d->correction, &left, &right, d->t_ns, &result->alignment);
+  static const vista_turn none = {0};
+  const vista_status status =
+      d->correction != NULL
+          ? vista_correction_update(d->correction, &left, &right, d->t_ns, &result->alignment)
+          : vista_alignment_update(d->alignment, &left, &right, d->t_ns, &none, &result->alignment);
   if (status != VISTA_OK) return status;
-  if (result->alignment.changed && !fits(d)) vista_correction_refuse(d->correction, &result->alignment);
+  if (d->correction == NULL) {
+    result->alignment.correction = none;
+    result->alignment.changed = false;
+    if (result->alignment.state == VISTA_ALIGNMENT_BEYOND) result->alignment.state = VISTA_ALIGNMENT_MEASURED;
+  } else if (result->alignment.changed && !fits(d)) {
+    vista_correction_refuse(d->correction, &result->alignment);
+  }
   result->alignment_ms = vista_clock_ms() - start_ms;
   return VISTA_OK;
 }
@@ -245,6 +281,18 @@ static vista_status process(vista_detector *d, const vista_detector_place *place
   return status == VISTA_OK ? vista_pipeline_directions(d->pipeline, &result->directions) : status;
 }
 
+/* What this pair shows against those before, and what its engine says against the one in C. */
+static uint32_t watch(vista_detector *d, const vista_detector_result *result) {
+  if (d->watch == NULL) return 0;
+  const vista_image left = kept(d, d->levels.images[0][0]);
+  const vista_image right = kept(d, d->has_right ? d->levels.images[1][0] : NULL);
+  vista_watched found;
+  vista_watch_pair(d->watch, &left, &right, &result->result, d->t_ns, &found);
+  if (d->words_differ > 0.0) found.reasons |= UINT32_C(1) << VISTA_HEALTH_WORDS_DIFFER;
+  if (result->alignment.unexplained) found.reasons |= UINT32_C(1) << VISTA_HEALTH_MOMENTS_DIFFER;
+  return found.reasons;
+}
+
 vista_status vista_detector_judge(vista_detector *d, const vista_detector_place *place, vista_detector_result *result) {
   if (d == NULL || place == NULL || result == NULL || d->progress != PROGRESS_MATCHED) return VISTA_ERROR_ARGUMENT;
   *result = (vista_detector_result){.rectify_ms = d->rectify_ms, .match_ms = d->match_ms};
@@ -254,11 +302,13 @@ vista_status vista_detector_judge(vista_detector *d, const vista_detector_place 
   if (status != VISTA_OK) return status;
   d->seen = (vista_detector_seen){d->pipeline, result->directions};
   d->placed = d->placed || place->pose != NULL;
+  const uint32_t watched = watch(d, result);
   const bool alone = d->options.stills || d->options.motion_watched;
   vista_findings_of(&(vista_frame_facts){.rig = &d->rig,
                                          .view = &d->view,
                                          .motion_unknown = !d->placed && !alone,
                                          .began_anew = place->anew && !d->options.stills,
+                                         .watched = watched,
                                          .text = d->alignment_text},
                     result);
   return VISTA_OK;

@@ -4,7 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "health/health.h"
+
 #define SAMPLE_STEP_PX 4
+#define MOTION_REASONS (UINT32_C(1) << VISTA_HEALTH_POSE_JUMP) /* named with those of the motion */
 #define MIN_CONTRAST 3.0 /* grey levels, standard deviation */
 
 typedef struct greys {
@@ -91,6 +94,14 @@ static void append_alignment(const vista_alignment_result *alignment, char *text
              : "the images have texture, but their rows agree on no turn of the right camera: has a camera moved?");
 }
 
+static void append_watched(uint32_t reasons, vista_detector_result *r) {
+  for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k) {
+    const vista_health_reason reason = (vista_health_reason)k;
+    if (reasons >> k & 1)
+      append(r, vista_health_reason_state(reason), vista_health_reason_name(reason), vista_health_reason_text(reason));
+  }
+}
+
 static void append_of_pipeline(const vista_health *health, vista_detector_result *r) {
   for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k)
     if (health->reasons >> k & 1)
@@ -110,6 +121,7 @@ void vista_findings_of(const vista_frame_facts *facts, vista_detector_result *r)
   else if (facts->view->identical)
     append(r, VISTA_HEALTH_BLIND, "images_identical", "the left and the right image are identical");
   append_alignment(&r->alignment, facts->text, r);
+  append_watched(facts->watched & ~MOTION_REASONS, r);
   r->next_finding = r->finding_count;
   if (facts->motion_unknown)
     append(r, VISTA_HEALTH_DEGRADED, vista_health_reason_name(VISTA_HEALTH_MOTION_UNKNOWN),
@@ -117,6 +129,7 @@ void vista_findings_of(const vista_frame_facts *facts, vista_detector_result *r)
   if (facts->began_anew)
     append(r, VISTA_HEALTH_DEGRADED, vista_health_reason_name(VISTA_HEALTH_POSE_JUMP),
            "the poses began anew; all tracks were dropped");
+  append_watched(facts->watched & MOTION_REASONS, r);
   append_of_pipeline(&r->result.health, r);
   summarize(r);
 }

@@ -2,6 +2,8 @@
 #ifndef VISTA_SRC_FINDINGS_H
 #define VISTA_SRC_FINDINGS_H
 
+#include <stdint.h>
+
 #include "vista/detector.h"
 
 #define VISTA_FINDING_TEXT 128
@@ -21,6 +23,7 @@ typedef struct vista_frame_facts {
   const vista_rig *rig;
   const vista_pair_view *view;
   bool motion_unknown, began_anew;
+  uint32_t watched; /* reasons that the watch gives */
   char *text; /* VISTA_FINDING_TEXT bytes for what the alignment says */
 } vista_frame_facts;
 

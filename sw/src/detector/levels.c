@@ -4,6 +4,10 @@
 
 #include "vista/frontend.h"
 
+#define CHECKED_ROWS 4
+#define BEYOND_MOST (VISTA_ENGINE_MAX_BLOCK_SIZE / 2 + 3) /* rows that a word depends on: of the block, and of filters */
+#define ROW_STRIDE 89U /* a prime: rows are compared in an order that soon has been everywhere */
+
 static vista_engine_params engine_of(const vista_stereo_params *stereo) {
   vista_engine_params engine = vista_engine_defaults();
   engine.num_disparities = stereo->num_disparities;
@@ -25,6 +29,7 @@ vista_status vista_levels_layout(vista_levels *l, vista_arena *arena, const vist
   l->scratch_bytes = vista_engine_scratch_bytes(&l->engine, camera->width_px, camera->height_px, 1);
   if (l->scratch_bytes == 0) return VISTA_ERROR_RANGE;
   l->scratch = vista_arena_take(arena, 1, l->scratch_bytes);
+  l->band = vista_arena_take(arena, (size_t)camera->width_px * (CHECKED_ROWS + 2 * BEYOND_MOST), sizeof *l->band);
   int32_t width = camera->width_px, height = camera->height_px;
   for (int32_t level = 0; level < l->count; ++level) {
     const size_t pixels = (size_t)width * (size_t)height;
@@ -78,6 +83,50 @@ vista_status vista_levels_take(vista_levels *l, const vista_disparity_image *wor
       memcpy(l->words[level] + (ptrdiff_t)v * width, given->data + v * given->stride, (size_t)width * sizeof(int16_t));
   }
   return VISTA_OK;
+}
+
+/* Compares the rows from `row` on of a level with the engine's. Returns how many differ; *count: of them all. */
+static int64_t compare_rows(vista_levels *l, int32_t level, int32_t row, int64_t *count) {
+  const int32_t width = l->width_px[level], beyond = l->engine.block_size / 2 + 2;
+  /* An even row: the last row of an image is filtered by whether its height is odd. */
+  const int32_t first = row > beyond ? (row - beyond) & ~1 : 0;
+  const int32_t last = row + CHECKED_ROWS + beyond, end = last < l->height_px[level] ? last : l->height_px[level];
+  const uint8_t *sides[2];
+  for (int side = 0; side < 2; ++side) {
+    const vista_frontend_image part = {l->images[side][level] + (ptrdiff_t)first * width, width, end - first, width};
+    sides[side] = matched(l, side, &part);
+  }
+  if (sides[0] == NULL || sides[1] == NULL) return 0;
+  const vista_engine_images images = {sides[0], sides[1], width, end - first, width, width};
+  const vista_engine_output output = {l->band, NULL, width, 0};
+  const int32_t from = row - first, to = from + CHECKED_ROWS;
+  if (vista_engine_compute_rows(&l->engine, &images, &output, from, to, l->scratch, l->scratch_bytes) !=
+      VISTA_ENGINE_OK)
+    return 0;
+  int64_t differ = 0;
+  for (int32_t v = from; v < to; ++v)
+    for (int32_t u = 0; u < width; ++u)
+      differ += l->band[(ptrdiff_t)v * width + u] != l->words[level][(ptrdiff_t)(first + v) * width + u];
+  *count += (int64_t)CHECKED_ROWS * width;
+  return differ;
+}
+
+double vista_levels_differ(vista_levels *l) {
+  int64_t differ = 0, count = 0;
+  const uint32_t turn = l->turn++;
+  for (int32_t level = 0; level < l->count; ++level) {
+    /* Rows at the rim have no words. */
+    const int32_t rim = l->engine.block_size / 2, width = l->width_px[level];
+    const int32_t rows = l->height_px[level] - CHECKED_ROWS - 2 * rim;
+    if (rows > 0) differ += compare_rows(l, level, rim + (int32_t)(turn * ROW_STRIDE % (uint32_t)rows), &count);
+    for (int side = 0; side < 2 && level + 1 < l->count; ++side) {
+      const vista_frontend_image image = {l->images[side][level], width, l->height_px[level], width};
+      if (vista_frontend_reduce(&image, l->images[side][level + 1], l->width_px[level + 1], VISTA_ENGINE_ISA_AUTO) !=
+          VISTA_ENGINE_OK)
+        return 0.0;
+    }
+  }
+  return count > 0 ? (double)differ / (double)count : 0.0;
 }
 
 vista_disparity_image vista_levels_words(const vista_levels *l, int32_t level) {

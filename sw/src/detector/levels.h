@@ -20,6 +20,8 @@ typedef struct vista_levels {
   uint8_t *images[2][VISTA_LEVELS_MOST]; /* level 0 is the caller's to fill */
   uint8_t *smoothed[2];                  /* null: images are matched as they are */
   int16_t *words[VISTA_LEVELS_MOST];
+  int16_t *band; /* scratch: CHECKED_ROWS of words */
+  uint32_t turn; /* which rows are compared next */
   void *scratch;
   size_t scratch_bytes;
 } vista_levels;
@@ -33,6 +35,10 @@ vista_status vista_levels_match(vista_levels *levels);
 
 /* Takes the words of all levels from elsewhere. */
 vista_status vista_levels_take(vista_levels *levels, const vista_disparity_image *words);
+
+/* The share of the words in a few rows of each level, other rows each time, that are not those of the engine in C. Level 0
+ * of the pair has to be there; the coarser images are made. */
+double vista_levels_differ(vista_levels *levels);
 
 /* The words of a level. */
 vista_disparity_image vista_levels_words(const vista_levels *levels, int32_t level);

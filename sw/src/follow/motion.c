@@ -7,6 +7,8 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 
+#define JUMP_M 2.0 /* by which a navigation filter may correct itself at once */
+#define ACCELERATION_MAX_M_S2 50.0
 #define RESTART_POSES 3 /* as many refused ones in a row that agree with each other are believed */
 /* The path bends by what turns faster: nobody keeps to a straight line better than this. */
 #define PATH_TURN_MIN_DEG_S 1.0
@@ -49,6 +51,19 @@ static bool reachable(const vista_motion_params *p, const vista_pose *from, int6
   double step_m[3];
   for (int i = 0; i < 3; ++i) step_m[i] = to->translation_m[i] - from->translation_m[i];
   return vista_norm(step_m) <= p->speed_max_m_s * vista_seconds_between(from_ns, to_ns);
+}
+
+/* Whether the pose follows on the last one: as fast as a vehicle flies, and, once its velocity is known, with no more of
+ * an acceleration than one has. */
+static bool follows(const vista_motion_params *p, const vista_pose *pose, int64_t t_ns, const vista_motion_state *s) {
+  if (!reachable(p, &s->posed_at, s->posed_t_ns, pose, t_ns)) return false;
+  if (!s->rates_known || s->differences < FEWEST) return true;
+  const double dt_s = vista_seconds_between(s->posed_t_ns, t_ns);
+  const double scatter_m = NOISE_SIGMAS * sqrt(s->velocity_variance) * dt_s;
+  double off_m[3];
+  for (int i = 0; i < 3; ++i)
+    off_m[i] = pose->translation_m[i] - s->posed_at.translation_m[i] - s->velocity_m_s[i] * dt_s;
+  return vista_norm(off_m) <= JUMP_M + scatter_m + 0.5 * ACCELERATION_MAX_M_S2 * vista_square(dt_s);
 }
 
 static bool imaginable(const vista_pose *pose) { return vista_norm(pose->translation_m) <= FARTHEST_M; }
@@ -226,7 +241,7 @@ vista_status vista_motion_update(const vista_motion_params *params, const vista_
   const vista_pose *const pose = old ? NULL : input->pose;
   if (pose == NULL)
     m.source = input->stationary ? VISTA_MOTION_STANDS : s->posed ? VISTA_MOTION_CARRIED_ON : VISTA_MOTION_UNTOLD;
-  else if (!imaginable(pose) || (s->posed && !reachable(params, &s->posed_at, s->posed_t_ns, pose, input->t_ns)))
+  else if (!imaginable(pose) || (s->posed && !follows(params, pose, input->t_ns, s)))
     m.source = VISTA_MOTION_REFUSED;
   if (m.source == VISTA_MOTION_REFUSED && means_it(params, pose, input->t_ns, s)) {
     *s = (vista_motion_state){0};

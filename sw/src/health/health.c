@@ -28,6 +28,14 @@ static const entry reasons[VISTA_HEALTH_REASON_COUNT] = {
     {"ground_unseen", "hardly anything below the horizon where the flight leads to has a disparity", 0},
     {"alignment_lost", "the right camera has turned by more than is corrected, or by an angle that cannot be found", 1},
     {"rows_misaligned", "matching features lie apart in rows", 0},
+    {"images_frozen", "an image is the one of the pair before although the vehicle moves: does a camera stand still?", 1},
+    {"view_stuck", "part of the image where the flight leads stays as it is although the vehicle moves", 0},
+    {"moments_differ", "matching features agree on no rows: do left and right image, in this order, show one moment?", 1},
+    {"words_differ", "the words of the engine are not those of the images", 1},
+    {"motion_doubtful", "the image moves otherwise than the poses say", 0},
+    {"disparities_off",
+     "disparities do not change as the motion says: has a camera turned, or is the baseline or the speed wrong?", 0},
+    {"time_jump", "the times went back or far ahead: what was seen before is of no use", 0},
 };
 
 static const char *const state_names[VISTA_HEALTH_STATE_COUNT] = {"healthy", "degraded", "blind"};
@@ -42,6 +50,10 @@ const char *vista_health_reason_name(vista_health_reason reason) {
 
 const char *vista_health_reason_text(vista_health_reason reason) {
   return (unsigned)reason < VISTA_HEALTH_REASON_COUNT ? reasons[reason].text : "unknown reason";
+}
+
+vista_health_state vista_health_reason_state(vista_health_reason reason) {
+  return reasons[reason].blinding ? VISTA_HEALTH_BLIND : VISTA_HEALTH_DEGRADED;
 }
 
 /* Standard deviation of the cells' grey levels, by the pixels that they own, without the noise that is left in them. */

@@ -16,4 +16,7 @@
 void vista_health_judge(const vista_frame_view *frame, const vista_cells *cells, vista_health *health,
                         double *valid_fraction);
 
+/* How bad a frame is that has this reason and no other. */
+vista_health_state vista_health_reason_state(vista_health_reason reason);
+
 #endif

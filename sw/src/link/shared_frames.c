@@ -31,6 +31,9 @@ vista_status vista_shared_frames_create(vista_shared_frames *ring, const char *n
     return VISTA_ERROR_SIZE;
   const size_t slot = VISTA_SHARED_PIXELS + 2 * (size_t)width_px * (size_t)height_px;
   const size_t slot_bytes = (slot + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+  ring->width_px = width_px;
+  ring->height_px = height_px;
+  ring->slot_bytes = slot_bytes;
   ring->bytes = sizeof(vista_shared_head) + VISTA_SHARED_SLOTS * slot_bytes;
   (void)snprintf(ring->path, sizeof ring->path, "/dev/shm/%s", name);
   (void)unlink(ring->path); /* readers of an older one see that it is another file */
@@ -65,14 +68,14 @@ vista_status vista_shared_frames_put(vista_shared_frames *ring, const vista_shar
                                      const vista_image *left, const vista_image *right) {
   if (ring == NULL || ring->memory == NULL || about == NULL || left == NULL || right == NULL)
     return VISTA_ERROR_ARGUMENT;
-  vista_shared_head head;
-  memcpy(&head, ring->memory, sizeof head);
-  const int32_t width = (int32_t)head.width_px, height = (int32_t)head.height_px;
+  /* What lies in the shared memory is not read again: any program may have written there. */
+  const int32_t width = ring->width_px, height = ring->height_px;
   vista_status status = vista_frame_check_image(left, width, height);
   if (status == VISTA_OK) status = vista_frame_check_image(right, width, height);
   if (status != VISTA_OK) return status;
   if (++ring->number == 0) ring->number = 1;
-  unsigned char *const slot = ring->memory + sizeof head + ring->number % VISTA_SHARED_SLOTS * (size_t)head.slot_bytes;
+  unsigned char *const slot =
+      ring->memory + sizeof(vista_shared_head) + ring->number % VISTA_SHARED_SLOTS * ring->slot_bytes;
   set_number(slot + offsetof(vista_shared_frame, number), 0);
   atomic_thread_fence(memory_order_seq_cst);
   vista_shared_frame told = *about;

@@ -33,6 +33,12 @@ class Reason(StrEnum):
     NOISE = "noise"
     GROUND_UNSEEN = "ground_unseen"
     ALIGNMENT_LOST = "alignment_lost"
+    IMAGES_FROZEN = "images_frozen"
+    VIEW_STUCK = "view_stuck"
+    WORDS_DIFFER = "words_differ"
+    MOTION_DOUBTFUL = "motion_doubtful"
+    DISPARITIES_OFF = "disparities_off"
+    TIME_JUMP = "time_jump"
 
 
 @dataclass(frozen=True)

@@ -111,7 +111,10 @@ vista_status connection_receive(vista_board *board, int32_t wait_ms) {
       continue;
     }
     board->in.words = (int32_t)(bytes / 4);
-    if (!is_answer(board)) continue;
+    if (!is_answer(board)) { /* a stream of these holds nobody up */
+      if (left_ns <= 0) return VISTA_ERROR_NO_ANSWER;
+      continue;
+    }
     if (packet_field(&board->in, 0, WIRE_HEADER_VERSION) != WIRE_VERSION) return VISTA_ERROR_BOARD;
     const uint32_t token = packet_field(&board->in, 0, WIRE_HEADER_TOKEN);
     if (packet_field(&board->in, 0, WIRE_HEADER_KIND) == WIRE_REPLY_STATUS && token_reached(board->status.token, token))

@@ -1,0 +1,188 @@
+#include "health/watch.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "common/frame.h"
+#include "common/image_noise.h"
+#include "common/numbers.h"
+
+#define PART_PX 8 /* of a row, compared at once */
+#define WHITE 250 /* grey levels, from which on a pixel is burnt out */
+#define NOISE_MIN 0.5 /* grey levels: with less, a live image may stay as it is */
+#define MOVED_M 0.02 /* between two frames: the images have to differ */
+#define LOOK_M 30.0 /* the part of the image where the path leads is as wide as the volume so far ahead */
+#define SIDEWAYS_M 3.0
+#define FROZEN_SHARE 0.9
+#define STUCK_SHARE 0.2
+#define HELD 8 /* frames: those that the map of space keeps, and until a track is confirmed */
+#define GAP_S 0.5 /* between two pairs: longer than any source pauses, */
+#define GAP_TIMES 4.0 /* and than this one did before by so many times */
+#define SIGNIFICANT 7.0 /* standard deviations */
+#define STEP_M 0.4 /* that a pose may be off in one frame, */
+#define STEP_SHARE 0.15 /* and of the way */
+#define TURN_RAD 0.008
+#define FOUND_SHARE 0.2 /* of the points that should be seen, */
+#define FOUND_BEFORE 0.4 /* after a frame in which more than this were */
+#define ASKED_MIN 24
+#define OFFSET_PX 0.5
+#define VELOCITY_M_S 0.2 /* that the poses lack, */
+#define VELOCITY_SHARE 0.02 /* and of the speed */
+#define LASTING 9.0 /* standard deviations of what is averaged */
+
+void vista_watch_layout(vista_watch *w, vista_arena *arena, const vista_camera *camera, double radius_m) {
+  *w = (vista_watch){.camera = *camera, .radius_m = radius_m};
+  vista_coherence_layout(&w->coherence, arena, camera);
+  for (int side = 0; side < 2; ++side)
+    w->before[side] = vista_arena_take(arena, (size_t)camera->width_px * (size_t)camera->height_px, 1);
+}
+
+void vista_watch_reset(vista_watch *w) {
+  vista_coherence_reset(&w->coherence);
+  w->began = w->posed = w->was_found = false;
+  w->passed_s = 0.0;
+  w->doubted = w->restarted = w->jumped = 0;
+}
+
+void vista_watch_time_went_back(vista_watch *w) { w->jumped = HELD + 1; }
+
+/* Columns and rows of an image. */
+typedef struct window {
+  int32_t left, right, top, bottom;
+} window;
+
+typedef struct shares {
+  int64_t whole, same, ahead, same_ahead; /* parts of rows that are not burnt out */
+} shares;
+
+static bool is_white(uint64_t part) {
+  const uint8_t *const pixels = (const uint8_t *)&part;
+  int white = 0;
+  for (int k = 0; k < PART_PX; ++k) white += pixels[k] >= WHITE;
+  return white == PART_PX;
+}
+
+/* Compares an image with the one before, whose place it takes. */
+static shares compare(const vista_image *image, uint8_t *before, const window *ahead) {
+  shares s = {0};
+  for (int32_t v = 0; v < image->height_px; ++v) {
+    const uint8_t *const row = image->data + v * image->stride;
+    uint8_t *const old = before + (ptrdiff_t)v * image->width_px;
+    const bool high = v >= ahead->top && v < ahead->bottom;
+    for (int32_t u = 0; u + PART_PX <= image->width_px; u += PART_PX) {
+      uint64_t now, then;
+      memcpy(&now, row + u, sizeof now);
+      memcpy(&then, old + u, sizeof then);
+      const bool same = now == then;
+      if (same && is_white(now)) continue;
+      const bool within = high && u >= ahead->left && u < ahead->right;
+      ++s.whole;
+      s.same += same;
+      s.ahead += within;
+      s.same_ahead += same && within;
+    }
+    memcpy(old, row, (size_t)image->width_px);
+  }
+  return s;
+}
+
+static bool at_least(int64_t part, int64_t whole, double share) {
+  return whole > 0 && (double)part >= share * (double)whole;
+}
+
+/* Where the flight leads; empty where that is not in view. */
+static window ahead_of(const vista_watch *w, const vista_motion *motion) {
+  const vista_camera *const camera = &w->camera;
+  double to[3];
+  vista_frame_direction_to_camera(&motion->pose, motion->direction, to);
+  if (!(to[2] * LOOK_M > SIDEWAYS_M)) return (window){0};
+  const double half = camera->focal_px * w->radius_m / (LOOK_M * to[2]);
+  const double u = camera->center_u_px + camera->focal_px * to[0] / to[2];
+  const double v = camera->center_v_px + camera->focal_px * to[1] / to[2];
+  return (window){(int32_t)fmax(0.0, fmin(u - half, camera->width_px)),
+                  (int32_t)fmax(0.0, fmin(u + half, camera->width_px)),
+                  (int32_t)fmax(0.0, fmin(v - half, camera->height_px)),
+                  (int32_t)fmax(0.0, fmin(v + half, camera->height_px))};
+}
+
+static uint32_t bit(vista_health_reason reason) { return UINT32_C(1) << reason; }
+
+static uint32_t judge_images(vista_watch *w, const vista_image *const sides[2], bool moved, const window *ahead) {
+  uint32_t reasons = 0;
+  vista_image_noise noise;
+  (void)vista_image_noise_measure(sides[0], &noise);
+  bool frozen[2] = {false, false}, asked[2] = {false, false};
+  for (int side = 0; side < 2; ++side) {
+    if (sides[side]->data == NULL) continue;
+    const shares s = compare(sides[side], w->before[side], ahead);
+    asked[side] = w->began && (side == 0 || w->had_right);
+    frozen[side] = at_least(s.same, s.whole, FROZEN_SHARE);
+    if (asked[side] && moved && noise.sigma > NOISE_MIN && at_least(s.same_ahead, s.ahead, STUCK_SHARE)) reasons |= bit(VISTA_HEALTH_VIEW_STUCK);
+  }
+  /* Without poses one camera that stands still tells itself by the other one, which does not. */
+  const bool one = asked[0] && asked[1] && frozen[0] != frozen[1];
+  if (one || (moved && ((asked[0] && frozen[0]) || (asked[1] && frozen[1]))))
+    reasons = bit(VISTA_HEALTH_IMAGES_FROZEN);
+  return reasons;
+}
+
+static bool is_significant(vista_estimate of, double sigmas, double least) {
+  return fabs(of.value) > least && fabs(of.value) > sigmas * of.sigma;
+}
+
+static bool moves_otherwise(vista_watch *w, const vista_coherence_result *c, double way_m) {
+  const bool many = c->points >= ASKED_MIN;
+  const bool lost = many && c->found < FOUND_SHARE * c->points && (w->was_found || w->doubted > 0);
+  if (many) w->was_found = c->found > FOUND_BEFORE * c->points;
+  const double step_m = STEP_M + STEP_SHARE * way_m;
+  const bool jumped = c->fitted && (is_significant((vista_estimate){vista_norm(c->step_m), c->step_sigma_m}, SIGNIFICANT, step_m) ||
+                   is_significant((vista_estimate){vista_norm(c->turn_rad), c->turn_sigma_rad}, SIGNIFICANT, TURN_RAD));
+  return lost || jumped;
+}
+
+static bool lacks_something(const vista_coherence_result *c, double speed_m_s) {
+  const double least_m_s = VELOCITY_M_S + VELOCITY_SHARE * speed_m_s;
+  const bool off = is_significant(c->offset_px, LASTING, OFFSET_PX) ||
+                   is_significant(c->velocity_m_s, LASTING, least_m_s);
+  return off;
+}
+
+/* Goes on giving a reason for HELD frames after the last in which it was found. */
+static uint32_t held(int32_t *frames, bool found, vista_health_reason reason) {
+  if (found)
+    *frames = HELD;
+  else if (*frames > 0)
+    --*frames;
+  return *frames > 0 ? bit(reason) : 0;
+}
+
+void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image *right, const vista_result *result,
+                      int64_t t_ns, vista_watched *found) {
+  const vista_motion *const motion = &result->motion;
+  const vista_image *const sides[2] = {left, right};
+  const bool posed = motion->source == VISTA_MOTION_POSE;
+  double step_m[3] = {0};
+  for (int i = 0; i < 3 && posed && w->posed; ++i)
+    step_m[i] = motion->pose.translation_m[i] - w->pose.translation_m[i];
+  const bool moved = vista_norm(step_m) > MOVED_M;
+  const window ahead = ahead_of(w, motion);
+  *found = (vista_watched){.reasons = judge_images(w, sides, moved, &ahead)};
+  const bool frozen = (found->reasons & bit(VISTA_HEALTH_IMAGES_FROZEN)) != 0;
+  if (frozen) vista_coherence_reset(&w->coherence); /* what stands still tells neither offset nor velocity */
+  vista_coherence_update(&w->coherence, left, result->views->words, motion, t_ns, &found->coherence);
+  const bool doubtful = moves_otherwise(w, &found->coherence, vista_norm(step_m));
+  found->reasons |= held(&w->doubted, frozen || doubtful, VISTA_HEALTH_MOTION_DOUBTFUL);
+  if (w->doubted == 0 && lacks_something(&found->coherence, motion->speed_m_s))
+    found->reasons |= bit(VISTA_HEALTH_DISPARITIES_OFF);
+  const double passed_s = w->began ? vista_seconds_between(w->t_ns, t_ns) : 0.0;
+  const bool gap = w->passed_s > 0.0 && passed_s > fmax(GAP_S, GAP_TIMES * w->passed_s);
+  found->reasons |= held(&w->jumped, gap, VISTA_HEALTH_TIME_JUMP);
+  found->reasons |= held(&w->restarted, motion->restarted, VISTA_HEALTH_POSE_JUMP);
+  w->began = true;
+  w->t_ns = t_ns;
+  w->passed_s = passed_s;
+  w->had_right = right->data != NULL;
+  w->posed = posed;
+  w->pose = motion->pose;
+}

@@ -1,0 +1,58 @@
+/* What is seen of a pair against what was seen before it: faults of cameras, engines, poses and clocks that one frame by
+ * itself does not show. A detector asks it once for each pair. Internal to libvista.
+ *
+ * - An image, or the part of it where the flight leads, that is the same to the bit as in the pair before, while the
+ *   vehicle moves, comes from a camera, a cable or a buffer that stands still: sensors have noise. What is burnt out to
+ *   white says nothing, nor does an image without noise.
+ * - Images that move otherwise than poses and disparities say (coherence.h).
+ * - Times that go back, or leave a gap that is none of the source's.
+ * - Whatever was placed by a pose that is not believed stays in the map and in the tracks for HELD frames; so long the
+ *   frame is not healthy either. */
+#ifndef VISTA_WATCH_H
+#define VISTA_WATCH_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "common/arena.h"
+#include "health/coherence.h"
+#include "vista/parameters.h"
+#include "vista/pipeline.h"
+#include "vista/types.h"
+
+typedef struct vista_watch {
+  double radius_m; /* of the volume around the path */
+  vista_camera camera;
+  vista_coherence coherence;
+  uint8_t *before[2]; /* rectified images of the pair before */
+  bool began;
+  bool had_right;
+  bool posed;
+  vista_pose pose; /* of the pair before */
+  bool was_found; /* most points were where the poses said */
+  int64_t t_ns;
+  double passed_s; /* between the two pairs before */
+  int32_t jumped; /* frames for which the times are still too new */
+  int32_t doubted; /* frames for which the motion is still doubted */
+  int32_t restarted; /* frames for which what was begun anew is too new to be relied on */
+} vista_watch;
+
+/* What is found: bit k, the reason with number k. */
+typedef struct vista_watched {
+  uint32_t reasons;
+  vista_coherence_result coherence;
+} vista_watched;
+
+void vista_watch_layout(vista_watch *watch, vista_arena *arena, const vista_camera *camera, double radius_m);
+
+/* Forgets what was seen. */
+void vista_watch_reset(vista_watch *watch);
+
+/* Says that a pair is older than the one before, after the reset that this calls for. */
+void vista_watch_time_went_back(vista_watch *watch);
+
+/* Takes a rectified pair, the right image of which may have no data, and what the pipeline made of it. */
+void vista_watch_pair(vista_watch *watch, const vista_image *left, const vista_image *right,
+                      const vista_result *result, int64_t t_ns, vista_watched *found);
+
+#endif

@@ -1,0 +1,214 @@
+"""The watch of the detector: faults of cameras, engines, poses and clocks are named within three frames, by
+what is seen against what was seen before, and what has no fault is not.
+
+The scene is two walls with texture, side by side at two distances, towards which the cameras fly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from random_seed import seeded
+from vista import parameters
+from vista.chain import engine_parameters
+from vista.detector import Detector
+from vista.engine import create_engine
+from vista.geometry import Calibration, Pose, rectified_rig
+from vista.health.finding import Reason
+from vista.rectify import Rectifier
+
+WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 640, 480, 480.0, 0.5
+WALLS_M = (16.0, 30.0)  # left and right of the middle
+STEP_M, PERIOD_NS = 0.7, 100_000_000
+FRAMES, ONSET, END = 14, 5, 9
+CAMERA = Calibration(WIDTH, HEIGHT, FOCAL_PX, (WIDTH - 1) / 2, (HEIGHT - 1) / 2, BASELINE_M)
+UP = np.array([0.0, -1.0, 0.0])
+TEXTURE_PX = 30.0  # of a metre of the walls
+
+Images = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+Words = list[NDArray[np.int16]]
+
+
+@dataclass(frozen=True)
+class Given:
+    images: Images
+    t_ns: int
+    pose: Pose | None
+    words: Words | None = None  # None: those that the engine in C gives
+
+
+def texture(number: int) -> NDArray[np.float32]:
+    noise = seeded(10 + number).normal(size=(1400, 2000)).astype(np.float32)
+    coarse = cv2.GaussianBlur(noise, (0, 0), 3.0)
+    fine = cv2.GaussianBlur(noise[::-1], (0, 0), 1.2)
+    return 110.0 + 30.0 * coarse / coarse.std() + 15.0 * fine / fine.std()
+
+
+TEXTURES = [texture(number) for number in (0, 1)]
+
+
+def seen(along_m: float, right_m: float, frame: int) -> NDArray[np.uint8]:
+    """What a camera at this place sees, with the noise of a sensor."""
+    v, u = np.mgrid[:HEIGHT, :WIDTH].astype(np.float32)
+    image = np.empty((HEIGHT, WIDTH), np.float32)
+    for wall, (painted, wall_m) in enumerate(zip(TEXTURES, WALLS_M, strict=True)):
+        scale = np.float32((wall_m - along_m) / FOCAL_PX)
+        x_m, y_m = (u - (WIDTH - 1) / 2) * scale + np.float32(right_m), (v - (HEIGHT - 1) / 2) * scale
+        drawn = cv2.remap(painted, 1000 + TEXTURE_PX * x_m, 700 + TEXTURE_PX * y_m, cv2.INTER_LINEAR)
+        here = x_m < 0.0 if wall == 0 else x_m >= 0.0
+        image[here] = drawn[here]
+    noise = seeded(1000 + 2 * frame + (right_m > 0.0)).normal(0.0, 1.0, image.shape)
+    return np.clip(np.rint(image + noise), 0, 255).astype(np.uint8)
+
+
+FLIGHT = [
+    Given(
+        (seen(STEP_M * k, 0.0, k), seen(STEP_M * k, BASELINE_M, k)),
+        k * PERIOD_NS,
+        Pose(np.eye(3), np.array([0.0, 0.0, STEP_M * k])),
+    )
+    for k in range(FRAMES)
+]
+
+
+def fly(change: Callable[[int], Given], given_words: bool = False) -> Iterator[set[Reason]]:
+    """The reasons of each frame."""
+    values = parameters.defaults()
+    rectifier = Rectifier(rectified_rig(CAMERA, "two walls"))
+    detector = Detector(rectifier, values)
+    engine = create_engine("golden", engine_parameters(values))
+    for k in range(FRAMES):
+        given = change(k)
+        detector.take(*given.images, given.t_ns)
+        words = given.words
+        if words is None and given_words:
+            words = list(engine.levels(*given.images))
+        detector.match(words)
+        detector.judge(given.pose, UP)
+        yield {finding.reason for finding in detector.findings()}
+
+
+def faulty(fault: Callable[[int, Given], Given]) -> Callable[[int], Given]:
+    return lambda k: fault(k, FLIGHT[k]) if ONSET <= k < END else FLIGHT[k]
+
+
+def moved(image: NDArray[np.uint8], right_px: float, down_px: float) -> NDArray[np.uint8]:
+    move = np.array([[1.0, 0.0, right_px], [0.0, 1.0, down_px]])
+    return np.asarray(cv2.warpAffine(image, move, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REPLICATE), np.uint8)
+
+
+def other_right(change: Callable[[int, Images], NDArray[np.uint8]]) -> Callable[[int, Given], Given]:
+    return lambda k, given: replace(given, images=(given.images[0], change(k, given.images)))
+
+
+def other_place(
+    change: Callable[[int, NDArray[np.float64]], NDArray[np.float64]],
+) -> Callable[[int, Given], Given]:
+    def fault(k: int, given: Given) -> Given:
+        assert given.pose is not None
+        return replace(given, pose=Pose(given.pose.rotation, change(k, given.pose.translation_m)))
+
+    return fault
+
+
+def bar(_: int, given: Given) -> Given:
+    """Columns in the middle that both cameras no longer read."""
+    images = tuple(image.copy() for image in given.images)
+    for image in images:
+        image[:, WIDTH // 2 - 24 : WIDTH // 2 + 24] = 0
+    return replace(given, images=(images[0], images[1]))
+
+
+FAULTS: dict[str, tuple[Callable[[int, Given], Given], Reason]] = {
+    "both cameras frozen": (lambda _, g: replace(g, images=FLIGHT[ONSET - 1].images), Reason.IMAGES_FROZEN),
+    "left camera frozen": (
+        lambda _, g: replace(g, images=(FLIGHT[ONSET - 1].images[0], g.images[1])),
+        Reason.IMAGES_FROZEN,
+    ),
+    "right camera frozen": (other_right(lambda *_: FLIGHT[ONSET - 1].images[1]), Reason.IMAGES_FROZEN),
+    "right camera late": (other_right(lambda k, _: FLIGHT[k - 3].images[1]), Reason.MOMENTS_DIFFER),
+    "rows off": (other_right(lambda _, images: moved(images[1], 0.0, 1.5)), Reason.ROWS_MISALIGNED),
+    "turned in yaw to the left": (
+        other_right(lambda _, images: moved(images[1], 3.0, 0.0)),
+        Reason.DISPARITIES_OFF,
+    ),
+    "turned in yaw to the right": (
+        other_right(lambda _, images: moved(images[1], -3.0, 0.0)),
+        Reason.DISPARITIES_OFF,
+    ),
+    "columns in the middle": (bar, Reason.VIEW_STUCK),
+    "a pose that jumps": (other_place(lambda _, at: np.add(at, [1.0, 0.0, 0.0])), Reason.MOTION_DOUBTFUL),
+    "a pose that jumps far": (other_place(lambda _, at: np.add(at, [0.0, 0.0, 5.0])), Reason.POSE_JUMP),
+    "a way told too long": (
+        other_place(lambda k, at: np.add(at, [0.0, 0.0, 0.35 * (k - ONSET + 1)])),
+        Reason.DISPARITIES_OFF,
+    ),
+    "a time far ahead": (lambda _, g: replace(g, t_ns=g.t_ns + 10**10), Reason.TIME_JUMP),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_is_named_within_three_frames_and_no_longer_when_it_has_gone(name: str) -> None:
+    fault, reason = FAULTS[name]
+    found = list(fly(faulty(fault)))
+    assert all(reasons == set() for reasons in found[:ONSET])
+    assert any(reason in reasons for reasons in found[ONSET : ONSET + 3])
+    held = reason in (
+        Reason.POSE_JUMP,
+        Reason.MOTION_DOUBTFUL,
+        Reason.TIME_JUMP,
+    )  # the map holds what was seen then
+    assert held or all(reason not in reasons for reasons in found[END + 1 :])
+
+
+def test_nothing_is_said_of_a_flight_without_fault() -> None:
+    assert list(fly(lambda k: FLIGHT[k])) == [set()] * FRAMES
+
+
+def test_nothing_is_said_of_a_camera_that_stands_still() -> None:
+    """Without noise it even shows the same image again and again."""
+
+    def still(k: int) -> Given:
+        return replace(FLIGHT[0], t_ns=k * PERIOD_NS)
+
+    assert all(not reasons for reasons in fly(still))
+
+
+def of_level_0(
+    change: Callable[[NDArray[np.int16]], NDArray[np.int16]],
+) -> Callable[[int, Given, Words], Words]:
+    return lambda _, __, words: [change(words[0]), *words[1:]]
+
+
+WORDS: dict[str, Callable[[int, Given, Words], Words]] = {
+    "of one value": of_level_0(lambda words: np.full_like(words, 8 * 16)),
+    "a bit stuck": of_level_0(
+        lambda words: np.where(words >= 0, words | np.int16(64), words).astype(np.int16)
+    ),
+    "a coarser level empty": lambda _, __, words: [*words[:-1], np.full_like(words[-1], -16)],
+}
+
+
+@pytest.mark.parametrize("name", [*WORDS, "of the pair before"])
+def test_words_that_are_not_those_of_the_images_are_found_at_once(name: str) -> None:
+    engine = create_engine("golden", engine_parameters(parameters.defaults()))
+
+    def words(k: int, given: Given) -> Given:
+        if name == "of the pair before":
+            return replace(given, words=list(engine.levels(*FLIGHT[k - 1].images)))
+        return replace(given, words=WORDS[name](k, given, list(engine.levels(*given.images))))
+
+    for k, reasons in enumerate(fly(faulty(words), given_words=True)):
+        assert (Reason.WORDS_DIFFER in reasons) == (ONSET <= k < END)
+
+
+def test_times_that_go_back_are_named_until_enough_was_seen_again() -> None:
+    def back(k: int) -> Given:
+        return replace(FLIGHT[k], t_ns=FLIGHT[k].t_ns - (10 * PERIOD_NS if k >= ONSET else 0))
+
+    found = [Reason.TIME_JUMP in reasons for reasons in fly(back)]
+    assert found[:ONSET] == [False] * ONSET and all(found[ONSET : ONSET + 6]) and not found[-1]
