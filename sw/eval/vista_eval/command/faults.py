@@ -1,0 +1,56 @@
+"""Put faults into recordings at random times, and see what becomes of the detector's warnings.
+
+Cameras freeze, come late, turn, fog up or lose columns; words stand still or hold a stuck bit; poses jump,
+drift or are missing; clocks run wrongly; bits turn over. Each kind comes at several strengths. An injection
+is silent where a warning of the recording as it is has gone, the frame is healthy, and the path is called free
+as far as what was warned of. DIR receives faults.json, which has every injection, and the table is printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+from functools import partial
+from pathlib import Path
+
+from vista.command.arguments import add_config, load_parameters, positive
+from vista.errors import EXIT_OK, InputError
+
+from vista_eval.jobs import add_place, chosen_place, jobs_of, run
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the results")
+    parser.add_argument("recordings", type=Path, nargs="+", metavar="RECORDING", help="with poses")
+    parser.add_argument(
+        "--count", type=positive, default=100, metavar="N", help="injections into each (default 100)"
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the draws (default 1)")
+    parser.add_argument("--kind", nargs="+", default=[], metavar="NAME", help="only these kinds")
+    add_place(parser)
+    add_config(parser)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    values = load_parameters(arguments.config, "golden")
+    place = chosen_place(arguments)
+    from vista_eval.disturbances import KINDS  # loads libvista, which `--help` need not
+    from vista_eval.report.table import write_measurement
+    from vista_eval.suites.faults import campaign, figures_of, table
+
+    unknown = [kind for kind in arguments.kind if kind not in KINDS]
+    if unknown:
+        raise InputError("--kind", f"{unknown[0]} is none of: {', '.join(KINDS)}")
+    kinds = arguments.kind or list(KINDS)
+    recordings = [place.known_to_all(path) for path in arguments.recordings]
+    work = partial(campaign, values, arguments.seed, arguments.count, kinds)
+    found = run(jobs_of(work, recordings, lambda path: path.name), place, "faults", "recording")
+    results = [result for of_recording in found for result in of_recording]
+    shown = table(results)
+    print(shown.as_text())
+    write_measurement(
+        arguments.folder / "faults.json",
+        [shown, table(results, "recording")],
+        figures_of(results),
+        results=results,
+    )
+    return EXIT_OK

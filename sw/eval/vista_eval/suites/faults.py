@@ -1,0 +1,207 @@
+"""The fault campaign: disturbances at random times of a recording, and what the detector makes of each.
+
+The recording is flown once as it is. At the onset of a disturbance the detector is as it was there: its
+memory is copied and put back. Then it sees LENGTH disturbed frames, and each is compared with the same frame
+of the flight as recorded.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from vista import parameters
+from vista.chain import engine_parameters, fitted_to
+from vista.detector import Detector, Novelty
+from vista.engine import Engine, create_engine
+from vista.health.finding import State
+from vista.rectify import Rectifier
+from vista.sequence import Sequence as Recording
+from vista.sequence import open_sequence
+
+from vista_eval.disturbances import KINDS, Now, Shot, Words
+from vista_eval.report.table import Table
+
+LENGTH = 8  # frames from the onset on
+ALARM = 3  # frames within which an alarm has to come
+FARTHER = 1.15  # a warning at more than so many times the distance is another one
+UNSEEN = "refused"
+
+OUTCOMES = ("masked", "safe", "detected", "within 3", "silent")
+
+
+@dataclass(frozen=True)
+class Injection:
+    kind: str
+    strength: float
+    onset: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What is told of one frame; state "refused": nothing, and its tracks are forgotten."""
+
+    state: str
+    warned_m: float | None
+    path_seen_m: float
+    reasons: tuple[str, ...] = ()
+
+
+def judged(clean: Seen, seen: Seen) -> str:
+    """What the disturbance did to a frame. A warning that is gone or stands farther away is found out where
+    the frame is not healthy, and hurts nobody where the path is not called free as far as that."""
+    if clean.warned_m is None:
+        if seen.state != State.HEALTHY and clean.state == State.HEALTHY:
+            return "detected"
+        return "masked" if seen.warned_m is None else "safe"
+    warned = seen.warned_m
+    if warned is not None and warned <= FARTHER * clean.warned_m:
+        return "masked" if warned * FARTHER >= clean.warned_m else "safe"
+    if seen.state != State.HEALTHY:
+        return "detected"
+    return "silent" if seen.path_seen_m >= clean.warned_m else "safe"
+
+
+def outcome_of(frames: Sequence[str]) -> str:
+    """The outcome of an injection from those of its frames, the worst first."""
+    silent = [k for k, frame in enumerate(frames) if frame == "silent"]
+    if silent:
+        found = [k for k, frame in enumerate(frames) if frame == "detected"]
+        return "within 3" if max(silent) < ALARM and found and min(found) <= ALARM else "silent"
+    return next((outcome for outcome in ("detected", "safe") if outcome in frames), "masked")
+
+
+class Flown:
+    """A recording in memory, with its words, and a detector that can be put back."""
+
+    def __init__(self, recording: Recording, values: parameters.Values) -> None:
+        values = fitted_to(recording, values)
+        self.rectifier = Rectifier(recording.calibration, int(values["stereo"]["rectify_rows"]))
+        self.up_world = recording.up_world
+        self.detector = Detector(self.rectifier, values, (), recording.stills)
+        self.engine: Engine = create_engine("golden", engine_parameters(values), 1, None, None, None, 1)
+        frames = [recording.read(files) for files in recording.frames]
+        self.shots = [Shot(f.left, f.right, f.t_ns, f.world_from_camera) for f in frames]
+        self.words: list[Words] = []
+        for shot in self.shots:
+            self.detector.take(shot.left, shot.right, shot.t_ns)
+            pair = self.detector.pair()
+            self.words.append(list(self.engine.levels(pair.left, pair.right)))
+        self.detector.reset()
+
+    def frame(self, shot: Shot, words: Words | None) -> Seen:
+        detector = self.detector
+        try:
+            if detector.take(shot.left, shot.right, shot.t_ns) == Novelty.REPEATED:
+                return Seen(UNSEEN, None, 0.0)
+            detector.match(words)
+            pose = None if shot.pose is None else detector.rectified_pose(shot.pose)
+            found = detector.judge(pose, self.up_world)
+        except ValueError:
+            detector.forget()
+            return Seen(UNSEEN, None, 0.0)
+        findings = detector.findings()
+        state = max((f.state for f in findings), key=list(State).index, default=State.HEALTHY)
+        warning = found.nearest_collision
+        return Seen(
+            str(state),
+            None if warning is None else warning.distance_m,
+            found.path_seen_m,
+            tuple(str(f.reason) for f in findings),
+        )
+
+    def disturbed(self, injection: Injection) -> Iterator[Seen]:
+        kind = KINDS[injection.kind]
+        for index in range(injection.onset, min(injection.onset + LENGTH, len(self.shots))):
+            now = Now(self.shots, index, injection.onset, injection.strength, injection.seed)
+            shot = kind.of_shot(now) if kind.of_shot is not None else self.shots[index]
+            words = kind.of_words(now, self.words) if kind.of_words is not None else None
+            yield self.frame(shot, words)
+
+
+def injections(
+    rng: np.random.Generator, clean: Sequence[Seen], count: int, kinds: Sequence[str]
+) -> list[Injection]:
+    """Random kinds, strengths and onsets; where the recording warns, mostly shortly before or during that."""
+    frames = len(clean)
+    near = [
+        k for k in range(2, frames) if any(seen.warned_m is not None for seen in clean[k : k + LENGTH])
+    ] or list(range(2, frames))
+    made = []
+    for _ in range(count):
+        kind = kinds[int(rng.integers(len(kinds)))]
+        strengths = KINDS[kind].strengths
+        strength = strengths[int(rng.integers(len(strengths)))]
+        onset = near[int(rng.integers(len(near)))] if rng.random() < 0.9 else int(rng.integers(2, frames))
+        made.append(Injection(kind, strength, onset, int(rng.integers(1 << 31))))
+    return sorted(made, key=lambda i: i.onset)
+
+
+def campaign(
+    values: parameters.Values, seed: int, count: int, kinds: Sequence[str], folder: Path
+) -> list[dict[str, Any]]:
+    """The outcomes of `count` injections into one recording: JSON takes them."""
+    flown = Flown(open_sequence(folder), values)
+    detector = flown.detector
+    clean = [flown.frame(shot, None) for shot in flown.shots]
+    detector.reset()
+    number = int.from_bytes(folder.name.encode(), "little") % (1 << 32)
+    results, at = [], 0
+    for injection in injections(np.random.default_rng((seed, number)), clean, count, kinds):
+        while at < injection.onset:
+            flown.frame(flown.shots[at], None)
+            at += 1
+        before = detector.state()
+        seen = list(flown.disturbed(injection))
+        detector.resume(before)
+        reference = clean[injection.onset :]
+        frames = [judged(c, s) for c, s in zip(reference, seen, strict=False)]
+        alarms = [
+            k
+            for k, (c, s) in enumerate(zip(reference, seen, strict=False))
+            if c.state == State.HEALTHY and s.state != State.HEALTHY
+        ]
+        results.append(
+            asdict(injection)
+            | {
+                "recording": folder.name,
+                "outcome": outcome_of(frames),
+                "alarm": alarms[0] if alarms else None,
+                "reasons": seen[alarms[0]].reasons if alarms else (),
+            }
+        )
+    return results
+
+
+def table(results: Sequence[dict[str, Any]], by: str = "strength") -> Table:
+    """Outcomes by kind and strength, or by recording."""
+    groups: dict[str, list[dict[str, Any]]] = {}
+    if by == "recording":
+        for result in results:
+            groups.setdefault(result["recording"], []).append(result)
+    else:
+        for name, kind in KINDS.items():
+            for strength in kind.strengths:
+                chosen = [r for r in results if (r["kind"], r["strength"]) == (name, strength)]
+                groups[f"{name}, {strength:g} {kind.unit}"] = chosen
+    rows = [row(name, chosen) for name, chosen in groups.items() if chosen]
+    heads = ("injected" if by == "strength" else "recording", "times", *OUTCOMES, "first named")
+    name = "faults" if by == "strength" else "faults-recordings"
+    return Table(name, heads, [*rows, (*row("all", results)[:-1], "")])
+
+
+def row(name: str, results: Sequence[dict[str, Any]]) -> tuple[str, ...]:
+    count = Counter(result["outcome"] for result in results)
+    reasons = Counter(reason for result in results for reason in result["reasons"])
+    named = ", ".join(reason for reason, _ in reasons.most_common(2))
+    return (name, str(len(results)), *(str(count[outcome]) for outcome in OUTCOMES), named)
+
+
+def figures_of(results: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """The number of all injections, and of each outcome."""
+    return {"injections": len(results), **Counter(result["outcome"] for result in results)}
