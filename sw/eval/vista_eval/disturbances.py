@@ -1,7 +1,8 @@
 """The vocabulary of disturbances: what becomes of the frames of a recording from a moment on.
 
-A kind changes raw images, times and poses (`of_shot`), or the words that an engine gave (`of_words`). It sees all frames as they were recorded, so that it can hand over an older one. Strengths are in
-the unit that the kind names; the same seed disturbs in the same way.
+A kind changes raw images, times and poses (`of_shot`), or the words that an engine gave (`of_words`). It sees
+all frames as they were recorded, so that it can hand over an older one. Strengths are in the unit that the
+kind names; the same seed disturbs in the same way.
 """
 
 from __future__ import annotations
@@ -264,7 +265,7 @@ def drifting(now: Now, pose: Pose) -> Pose:
 
 
 def scaled(now: Now, pose: Pose) -> Pose:
-    """What is travelled from the onset on is told too long or too short, as a wrong baseline would have it."""
+    """The way from the onset on is told too long or too short, as a wrong baseline would have it."""
     start = now.shots[max(0, now.onset - 1)].pose
     assert start is not None
     way = pose.translation_m - start.translation_m

@@ -251,9 +251,8 @@ static vista_status align(vista_detector *d, vista_detector_result *result) {
   const vista_image left = kept(d, d->levels.images[0][0]), right = kept(d, d->levels.images[1][0]);
   static const vista_turn none = {0};
   const vista_status status =
-      d->correction != NULL
-          ? vista_correction_update(d->correction, &left, &right, d->t_ns, &result->alignment)
-          : vista_alignment_update(d->alignment, &left, &right, d->t_ns, &none, &result->alignment);
+      d->correction != NULL ? vista_correction_update(d->correction, &left, &right, d->t_ns, &result->alignment)
+                            : vista_alignment_update(d->alignment, &left, &right, d->t_ns, &none, &result->alignment);
   if (status != VISTA_OK) return status;
   if (d->correction == NULL) {
     result->alignment.correction = none;

@@ -5,7 +5,8 @@
 #include "vista/frontend.h"
 
 #define CHECKED_ROWS 4
-#define BEYOND_MOST (VISTA_ENGINE_MAX_BLOCK_SIZE / 2 + 3) /* rows that a word depends on: of the block, and of filters */
+#define BEYOND_MOST \
+  (VISTA_ENGINE_MAX_BLOCK_SIZE / 2 + 3) /* rows that a word depends on: of the block, and of filters */
 #define ROW_STRIDE 89U /* a prime: rows are compared in an order that soon has been everywhere */
 
 static vista_engine_params engine_of(const vista_stereo_params *stereo) {

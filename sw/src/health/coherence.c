@@ -106,8 +106,8 @@ static bool predict(const vista_coherence *c, const vista_coherent_point *p, con
   at_px[0] = camera->center_u_px + scale * camera_m[0] - u;
   at_px[1] = camera->center_v_px + scale * camera_m[1] - v;
   const double to_u = u + at_px[0], to_v = v + at_px[1];
-  const bool inside = to_u > SIDE_PX && to_v > SIDE_PX && to_u < camera->width_px - SIDE_PX &&
-                      to_v < camera->height_px - SIDE_PX;
+  const bool inside =
+      to_u > SIDE_PX && to_v > SIDE_PX && to_u < camera->width_px - SIDE_PX && to_v < camera->height_px - SIDE_PX;
   return inside && hypot(at_px[0], at_px[1]) < FLOW_MOST_PX;
 }
 

@@ -46,7 +46,7 @@ typedef struct vista_coherence {
   vista_camera camera;
   vista_level half[2], quarter;
   int32_t newest; /* of the halves */
-  int32_t count;  /* points of the newest image */
+  int32_t count; /* points of the newest image */
   vista_coherent_point points[VISTA_COHERENCE_POINTS];
   bool posed; /* the newest image has a pose */
   vista_pose pose;

@@ -100,10 +100,9 @@ static window ahead_of(const vista_watch *w, const vista_motion *motion) {
   const double half = camera->focal_px * w->radius_m / (LOOK_M * to[2]);
   const double u = camera->center_u_px + camera->focal_px * to[0] / to[2];
   const double v = camera->center_v_px + camera->focal_px * to[1] / to[2];
-  return (window){(int32_t)fmax(0.0, fmin(u - half, camera->width_px)),
-                  (int32_t)fmax(0.0, fmin(u + half, camera->width_px)),
-                  (int32_t)fmax(0.0, fmin(v - half, camera->height_px)),
-                  (int32_t)fmax(0.0, fmin(v + half, camera->height_px))};
+  return (window){
+      (int32_t)fmax(0.0, fmin(u - half, camera->width_px)), (int32_t)fmax(0.0, fmin(u + half, camera->width_px)),
+      (int32_t)fmax(0.0, fmin(v - half, camera->height_px)), (int32_t)fmax(0.0, fmin(v + half, camera->height_px))};
 }
 
 static uint32_t bit(vista_health_reason reason) { return UINT32_C(1) << reason; }
@@ -118,12 +117,12 @@ static uint32_t judge_images(vista_watch *w, const vista_image *const sides[2], 
     const shares s = compare(sides[side], w->before[side], ahead);
     asked[side] = w->began && (side == 0 || w->had_right);
     frozen[side] = at_least(s.same, s.whole, FROZEN_SHARE);
-    if (asked[side] && moved && noise.sigma > NOISE_MIN && at_least(s.same_ahead, s.ahead, STUCK_SHARE)) reasons |= bit(VISTA_HEALTH_VIEW_STUCK);
+    if (asked[side] && moved && noise.sigma > NOISE_MIN && at_least(s.same_ahead, s.ahead, STUCK_SHARE))
+      reasons |= bit(VISTA_HEALTH_VIEW_STUCK);
   }
   /* Without poses one camera that stands still tells itself by the other one, which does not. */
   const bool one = asked[0] && asked[1] && frozen[0] != frozen[1];
-  if (one || (moved && ((asked[0] && frozen[0]) || (asked[1] && frozen[1]))))
-    reasons = bit(VISTA_HEALTH_IMAGES_FROZEN);
+  if (one || (moved && ((asked[0] && frozen[0]) || (asked[1] && frozen[1])))) reasons = bit(VISTA_HEALTH_IMAGES_FROZEN);
   return reasons;
 }
 
@@ -136,15 +135,17 @@ static bool moves_otherwise(vista_watch *w, const vista_coherence_result *c, dou
   const bool lost = many && c->found < FOUND_SHARE * c->points && (w->was_found || w->doubted > 0);
   if (many) w->was_found = c->found > FOUND_BEFORE * c->points;
   const double step_m = STEP_M + STEP_SHARE * way_m;
-  const bool jumped = c->fitted && (is_significant((vista_estimate){vista_norm(c->step_m), c->step_sigma_m}, SIGNIFICANT, step_m) ||
-                   is_significant((vista_estimate){vista_norm(c->turn_rad), c->turn_sigma_rad}, SIGNIFICANT, TURN_RAD));
+  const bool jumped =
+      c->fitted &&
+      (is_significant((vista_estimate){vista_norm(c->step_m), c->step_sigma_m}, SIGNIFICANT, step_m) ||
+       is_significant((vista_estimate){vista_norm(c->turn_rad), c->turn_sigma_rad}, SIGNIFICANT, TURN_RAD));
   return lost || jumped;
 }
 
 static bool lacks_something(const vista_coherence_result *c, double speed_m_s) {
   const double least_m_s = VELOCITY_M_S + VELOCITY_SHARE * speed_m_s;
-  const bool off = is_significant(c->offset_px, LASTING, OFFSET_PX) ||
-                   is_significant(c->velocity_m_s, LASTING, least_m_s);
+  const bool off =
+      is_significant(c->offset_px, LASTING, OFFSET_PX) || is_significant(c->velocity_m_s, LASTING, least_m_s);
   return off;
 }
 
@@ -163,8 +164,7 @@ void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image
   const vista_image *const sides[2] = {left, right};
   const bool posed = motion->source == VISTA_MOTION_POSE;
   double step_m[3] = {0};
-  for (int i = 0; i < 3 && posed && w->posed; ++i)
-    step_m[i] = motion->pose.translation_m[i] - w->pose.translation_m[i];
+  for (int i = 0; i < 3 && posed && w->posed; ++i) step_m[i] = motion->pose.translation_m[i] - w->pose.translation_m[i];
   const bool moved = vista_norm(step_m) > MOVED_M;
   const window ahead = ahead_of(w, motion);
   *found = (vista_watched){.reasons = judge_images(w, sides, moved, &ahead)};

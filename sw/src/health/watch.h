@@ -52,7 +52,7 @@ void vista_watch_reset(vista_watch *watch);
 void vista_watch_time_went_back(vista_watch *watch);
 
 /* Takes a rectified pair, the right image of which may have no data, and what the pipeline made of it. */
-void vista_watch_pair(vista_watch *watch, const vista_image *left, const vista_image *right,
-                      const vista_result *result, int64_t t_ns, vista_watched *found);
+void vista_watch_pair(vista_watch *watch, const vista_image *left, const vista_image *right, const vista_result *result,
+                      int64_t t_ns, vista_watched *found);
 
 #endif

@@ -2,8 +2,9 @@
 
 Cameras freeze, come late, turn, fog up or lose columns; words stand still or hold a stuck bit; poses jump,
 drift or are missing; clocks run wrongly; bits turn over. Each kind comes at several strengths. An injection
-is silent where a warning of the recording as it is has gone, the frame is healthy, and the path is called free
-as far as what was warned of. DIR receives faults.json, which has every injection, and the table is printed.
+is silent where a warning of the recording as it is has gone, the frame is healthy, and the path is called
+free as far as what was warned of. DIR receives faults.json, which has every injection, and the table is
+printed.
 """
 
 from __future__ import annotations
