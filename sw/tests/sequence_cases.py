@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -140,3 +141,23 @@ def make_raw(folder: Path) -> Path:
         "translation_m = [-0.5, 0.0, 0.0]\n"
     )
     return folder
+
+
+# ---- damage ----
+
+Damage = Callable[[Path], object]  # to a folder
+
+
+def edit(name: str, old: str, new: str, count: int = -1) -> Damage:
+    """Replaces text that is there: the first count times, or everywhere."""
+
+    def damage(folder: Path) -> None:
+        text = (folder / name).read_text()
+        assert old in text
+        (folder / name).write_text(text.replace(old, new, count))
+
+    return damage
+
+
+def remove(name: str) -> Damage:
+    return lambda folder: (folder / name).unlink()

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from shared_data import SHARED_DATA
-from vista import StereoEngine, parameters
-from vista.chain import engine_parameters
+from vista import parameters
+from vista.chain import make_chain, run_frame
 from vista.geometry import Array
-from vista.pipeline import Obstacle, Pipeline, Result
-from vista.rectify import Rectifier
+from vista.pipeline import Obstacle, Result
 from vista.sequence import open_sequence
 
 SEQUENCE = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
@@ -62,15 +61,8 @@ def driven_path_m() -> np.ndarray:
 
 def run_street(values: parameters.Values) -> list[Result]:
     sequence = open_sequence(SEQUENCE)
-    rectifier = Rectifier(sequence.calibration)
-    engine = StereoEngine(**vars(engine_parameters(values)))
-    pipeline = Pipeline(rectifier.calibration, values)
-    results = []
-    for files in sequence.frames:
-        frame = rectifier.rectify(sequence.read(files))
-        levels = engine.compute_levels(frame.left, frame.right)
-        results.append(pipeline.process(frame.left, levels, frame.t_ns, frame.world_from_camera))
-    return results
+    chain = make_chain(sequence, "golden", values, threads=1)
+    return [run_frame(chain, files).result for files in sequence.frames]
 
 
 def ids_at(thing: Thing, result: Result, away_m: float) -> set[int]:

@@ -12,7 +12,6 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -61,34 +60,6 @@ def test_run_writes_what_interfaces_promise(tmp_path: Path, run_vista: Vista, ma
 
     lines = read_lines(out)
     assert [line["frame"] for line in lines] == list(range(cases.FRAMES))
-    first = lines[1]
-    keys = ["version", "frame", "t_ns", "processing_ms", "regions", "valid_fraction", "motion", "health"]
-    more = ["obstacles", "nearest_collision", "path_seen_m", "velocity_camera_m_s", "directions"]
-    assert list(first) == keys + more
-    assert first["version"] == 2
-    obstacle_keys = ["id", "confirmed", "age_frames", "position_m", "position_camera_m", "covariance_m2"]
-    obstacle_keys += [
-        "distance_m",
-        "extent_m",
-        "ellipse_px",
-        "disparity_px",
-        "in_collision_volume",
-        "coasting",
-        "world",
-        "kind",
-    ]
-    assert list(first["obstacles"][0]) == obstacle_keys
-    assert list(first["obstacles"][0]["ellipse_px"]) == ["center", "axes", "angle_deg"]
-    nearest_keys = [
-        "id",
-        "position_m",
-        "position_camera_m",
-        "covariance_m2",
-        "distance_m",
-        "time_to_collision_s",
-        "probability",
-    ]
-    assert list(first["nearest_collision"]) == nearest_keys
     assert lines[0]["nearest_collision"] is None
 
     summary = json.loads((out / "summary.json").read_text())
@@ -300,41 +271,15 @@ def test_a_bad_frame_leaves_whole_lines_and_a_summary(tmp_path: Path, run_vista:
 
 # ---- bad input: status 2, one line, nothing written ----
 
-Damage = Callable[[Path], object]
-
-
-def overwrite(name: str, text: str) -> Damage:
-    return lambda folder: (folder / name).write_text(text)
-
 
 def cut_first_image(folder: Path) -> None:
     path = folder / "scene00_left.png"
     path.write_bytes(path.read_bytes()[:-30])
 
 
-BAD_SEQUENCES: dict[str, tuple[Damage, str]] = {
-    "missing right image": (
-        lambda folder: (folder / "scene00_right.png").unlink(),
-        "scene00_right.png: no such file",
-    ),
+BAD_SEQUENCES: dict[str, tuple[cases.Damage, str]] = {
+    "missing right image": (cases.remove("scene00_right.png"), "scene00_right.png: no such file"),
     "truncated image": (cut_first_image, "scene00_left.png: truncated image"),
-    "no calibration": (
-        lambda folder: (folder / "calibration.toml").unlink(),
-        "calibration.toml: no such file",
-    ),
-    "zero baseline": (
-        overwrite("calibration.toml", "focal_px=1\ncx=1\ncy=1\nbaseline_m=0"),
-        "baseline_m is 0",
-    ),
-    "NaN": (
-        overwrite("calibration.toml", "focal_px=nan\ncx=1\ncy=1\nbaseline_m=1"),
-        "focal_px is no finite number",
-    ),
-    "not an image": (overwrite("scene00_left.png", "hello"), "scene00_left.png: not a PNG"),
-    "other size": (
-        lambda folder: cases.write_image(folder / "scene00_right.png", np.zeros((9, 9), np.uint8)),
-        "scene00_right.png: image is 9x9",
-    ),
 }
 
 
@@ -478,22 +423,8 @@ def test_disparity_passes_every_option(tmp_path: Path, run_vista: Vista) -> None
     left, right = cases.texture_pair(1)
     cases.write_image(tmp_path / "l.png", left)
     cases.write_image(tmp_path / "r.png", right)
-    options = [
-        "--disparities",
-        "16",
-        "--block",
-        "7",
-        "--prefilter",
-        "none",
-        "--cap",
-        "20",
-        "--texture",
-        "50",
-        "--uniqueness",
-        "5",
-        "--lr",
-        "off",
-    ]
+    options = ["--disparities", 16, "--block", 7, "--prefilter", "none", "--cap", 20, "--texture", 50]
+    options += ["--uniqueness", 5, "--lr", "off"]
     out = tmp_path / "d.npy"
     assert run_vista("disparity", tmp_path / "l.png", tmp_path / "r.png", "--out", out, *options)[0] == 0
     engine = vista.StereoEngine(16, 7, "none", 20, 50, 5, None)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -20,7 +19,7 @@ from turned_camera import degrees
 from turned_recordings import CAMERA, write_turned_pairs
 from vista import parameters
 from vista.alignment import Alignment, State, Turn
-from vista.chain import Chain, finish, make_chain, take
+from vista.chain import Chain, finish, take
 from vista.control_grid import GridPair, control_grid
 from vista.detector import Detector, Novelty
 from vista.engine import INVALID, Disparity
@@ -179,25 +178,6 @@ def test_a_run_raises_the_alarm_when_a_turn_is_too_large(tmp_path: Path, run_vis
     told = [line["frame"] for line in valid_lines(out) if "alignment_lost" in line["health"]["reasons"]]
     assert told and 10 < told[0] <= 40 and told[-1] == 49
     assert "has a camera moved?" in stdout and "has a camera moved?" in stderr
-
-
-def test_another_flight_begins_with_the_calibration(tmp_path: Path) -> None:
-    sequence = Sequence("two flights", "pairs", rectified_rig(CAMERA, ""), ())
-    chain = make_chain(sequence, "golden", turned.correcting(), 1)
-    pairs = turned.textured_flight(CAMERA, seeded(6))
-    for k in range(8):
-        left, right = pairs(k)
-        frame = Frame(k, 1 + 40_000_000 * k, left, turned.seen(right, CAMERA, degrees(0.5, 0.0)), None)
-        assert take(chain, frame) == Novelty.NEW
-        record = finish(chain, frame, StageClock()).record
-        assert "alignment" in record.stage_ms
-    assert record.alignment.correction != Turn()
-    frame = Frame(0, 0, *pairs(0), None)
-    assert take(chain, frame) == Novelty.RESTARTED
-    assert finish(chain, frame, StageClock()).record.alignment.row_error_px < 0.3
-    stills = make_chain(replace(sequence, stills=True), "golden", turned.correcting(), 1)
-    assert stills.detector.alignment is None
-    assert make_chain(sequence, "golden", parameters.defaults(), 1).detector.alignment is None
 
 
 def test_the_picture_says_nothing_of_what_cv2_makes_of_a_homography() -> None:

@@ -13,7 +13,6 @@ import recording_cases as cases
 from board_flight import board_flight
 from fly_process import SANITIZED, VISTA_FLY, environment, fly, timeless
 from pipeline_library import CALIBRATION
-from vista import parameters
 from vista.geometry import Pose
 from vista.pipeline import Pipeline
 
@@ -139,11 +138,3 @@ def test_valgrind_finds_nothing(recording: Path) -> None:
         env=environment(),
     )
     assert run.returncode == 0, run.stderr
-
-
-def test_the_recorded_parameters_count(tmp_path: Path) -> None:
-    values = parameters.defaults()
-    values["foveation"]["sector_count"] = 64
-    values["tracker"] |= {"confirm_hits": 1, "confirm_window": 1}
-    found = lines(cases.record(tmp_path / "a.vista", board_flight()[:1], values), tmp_path)
-    assert json.loads(found[0])["obstacles"][0]["confirmed"]

@@ -45,16 +45,6 @@ def random_geometry(random: np.random.Generator) -> Foveation:
     return foveation
 
 
-def log_polar(foveation: Foveation) -> tuple[np.ndarray, np.ndarray]:
-    """Ring and sector of every pixel as real numbers: the complex logarithm, in cells."""
-    height, width = foveation.cell_of_pixel.shape
-    v, u = np.mgrid[:height, :width]
-    w = (u - foveation.center[0] + 1j * (v - foveation.center[1])) / foveation.params.rho_0_px
-    cells = foveation.params.sector_count / (2 * np.pi)
-    with np.errstate(divide="ignore"):
-        return np.log(np.abs(w)) * cells, np.mod(np.angle(w), 2 * np.pi) * cells
-
-
 def test_the_runs_of_the_cells_partition_the_image() -> None:
     random = seeded(1)
     for _ in range(GEOMETRIES):
@@ -69,21 +59,6 @@ def test_the_runs_of_the_cells_partition_the_image() -> None:
         assert np.array_equal(f.pixel_count, np.bincount(painted.ravel(), minlength=f.node_count))
         assert f.node_count <= f.handle.max_nodes
         assert f.pixel_count.max() <= f.handle.max_footprint_px
-
-
-def test_pixels_lie_in_the_cell_of_the_closed_formula() -> None:
-    random = seeded(2)
-    for _ in range(GEOMETRIES):
-        f = random_geometry(random)
-        ring, sector = log_polar(f)
-        hub = ring < 0
-        with np.errstate(invalid="ignore"):
-            at_border = (np.abs(ring - np.round(ring)) < 1e-9) | (np.abs(sector - np.round(sector)) < 1e-9)
-        assert np.all(f.cell_of_pixel[hub & (ring < -1e-9)] == 0)
-        inner = ~hub & ~at_border
-        cell = f.node_of_grid[ring[inner].astype(int), sector[inner].astype(int)]
-        assert np.all(cell >= 1)
-        assert np.array_equal(f.cell_of_pixel[inner], cell)
 
 
 def test_cells_are_squares_around_their_centres() -> None:

@@ -29,8 +29,6 @@ FRAMES = 6
 WIDTH, HEIGHT = 320, 240
 CALIBRATION = "focal_px = 240.0\ncx = 160.0\ncy = 120.0\nbaseline_m = 0.25\n"
 
-Damage = Callable[[Path], object]
-
 
 @pytest.fixture
 def run_vista(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Vista:
@@ -73,19 +71,10 @@ def other_scene(folder: Path) -> None:
         cases.write_image(path, cases.texture_pair(100 + index, WIDTH, HEIGHT)[0])
 
 
-def in_text(name: str, old: str, new: str) -> Damage:
-    def damage(folder: Path) -> None:
-        text = (folder / name).read_text()
-        assert old in text
-        (folder / name).write_text(text.replace(old, new))
-
-    return damage
-
-
 ALL = list(range(FRAMES))
 
 # Reason, state, frames, and what the line on the screen says.
-FAULTS: dict[str, tuple[Damage, Reason, State, list[int], str]] = {
+FAULTS: dict[str, tuple[cases.Damage, Reason, State, list[int], str]] = {
     "left and right swapped": (
         swap,
         Reason.LEFT_RIGHT_SWAPPED,
@@ -133,21 +122,21 @@ FAULTS: dict[str, tuple[Damage, Reason, State, list[int], str]] = {
         "the left and the right image are identical",
     ),
     "calibration of images half the size": (
-        in_text("calib.txt", "160", "80"),
+        cases.edit("calib.txt", "160", "80"),
         Reason.CALIBRATION_MISFIT,
         State.DEGRADED,
         ALL,
         "does the calibration belong to images of another size?",
     ),
     "focal length of another camera": (
-        in_text("calib.txt", " 240", " 24000"),
+        cases.edit("calib.txt", " 240", " 24000"),
         Reason.CALIBRATION_MISFIT,
         State.DEGRADED,
         ALL,
         "field of view 1 degrees wide",
     ),
     "baseline in millimetres": (
-        in_text("calib.txt", "-60.0", "-60000.0"),
+        cases.edit("calib.txt", "-60.0", "-60000.0"),
         Reason.BASELINE_IMPLAUSIBLE,
         State.DEGRADED,
         ALL,
@@ -331,7 +320,7 @@ def test_sensor_noise_neither_hides_motion_nor_makes_it(noise_grey: float) -> No
 @pytest.mark.parametrize("baseline_m", [0.003, 0.05, 0.54, 4.0, 120.0])
 def test_plausible_baselines(baseline_m: float, tmp_path: Path, run_vista: Vista) -> None:
     folder = make_kitti(tmp_path / "flight")
-    in_text("calib.txt", "-60.0", f"{-240 * baseline_m}")(folder)
+    cases.edit("calib.txt", "-60.0", f"{-240 * baseline_m}")(folder)
     _, stdout, _ = run_vista("run", folder, "--out", tmp_path / "out", "--no-overlay")
     assert ("the baseline is" in stdout) == (not 0.01 <= baseline_m <= 5.0)
     assert ("millimetres" in stdout) == (baseline_m > 5.0)

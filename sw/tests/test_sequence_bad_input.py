@@ -6,6 +6,7 @@ import re
 import struct
 import zlib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -16,28 +17,15 @@ from vista.errors import InputError
 from vista.rectify import Rectifier
 from vista.sequence import open_sequence, read_grey
 
-Damage = Callable[[Path], object]
+edit = partial(cases.edit, count=1)
 
 
-def replace(name: str, old: str, new: str) -> Damage:
-    def damage(root: Path) -> None:
-        text = (root / name).read_text()
-        assert old in text
-        (root / name).write_text(text.replace(old, new, 1))
-
-    return damage
-
-
-def remove(name: str) -> Damage:
-    return lambda root: (root / name).unlink()
-
-
-def write(name: str, content: str | bytes) -> Damage:
+def write(name: str, content: str | bytes) -> cases.Damage:
     data = content.encode() if isinstance(content, str) else content
     return lambda root: (root / name).write_bytes(data)
 
 
-def cut(name: str, fraction: float) -> Damage:
+def cut(name: str, fraction: float) -> cases.Damage:
     def damage(root: Path) -> None:
         data = (root / name).read_bytes()
         (root / name).write_bytes(data[: int(len(data) * fraction)])
@@ -45,7 +33,7 @@ def cut(name: str, fraction: float) -> Damage:
     return damage
 
 
-def image(name: str, pixels: np.ndarray) -> Damage:
+def image(name: str, pixels: np.ndarray) -> cases.Damage:
     return lambda root: cases.write_image(root / name, pixels)
 
 
@@ -56,32 +44,32 @@ TRUTH = "mav0/state_groundtruth_estimate0/data.csv"
 CAM1_SENSOR = "mav0/cam1/sensor.yaml"
 
 ASL = {
-    "no right sensor": (remove(CAM1_SENSOR), r"cam1/sensor\.yaml: no such file"),
-    "no right list": (remove("mav0/cam1/data.csv"), r"cam1/data\.csv: no such file"),
-    "no right image": (remove(f"mav0/cam1/data/{T1}.png"), rf"cam1/data/{T1}\.png: no such file"),
-    "no left image": (remove(f"mav0/cam0/data/{T1}.png"), rf"cam0/data/{T1}\.png: no such file"),
+    "no right sensor": (cases.remove(CAM1_SENSOR), r"cam1/sensor\.yaml: no such file"),
+    "no right list": (cases.remove("mav0/cam1/data.csv"), r"cam1/data\.csv: no such file"),
+    "no right image": (cases.remove(f"mav0/cam1/data/{T1}.png"), rf"cam1/data/{T1}\.png: no such file"),
+    "no left image": (cases.remove(f"mav0/cam0/data/{T1}.png"), rf"cam0/data/{T1}\.png: no such file"),
     "right images of another time": (
         write("mav0/cam1/data.csv", f"{T1 + 20_000_000},{T1}.png\n"),
         r"cam1/data\.csv: no right image within 5 ms of any left one",
     ),
     "time goes back": (
-        replace("mav0/cam0/data.csv", f"{T2},", f"{T0},"),
+        edit("mav0/cam0/data.csv", f"{T2},", f"{T0},"),
         r"cam0/data\.csv:4: time does not increase",
     ),
-    "bad time": (replace("mav0/cam0/data.csv", f"{T1},", "soon,"), r"cam0/data\.csv:3: bad timestamp 'soon'"),
+    "bad time": (edit("mav0/cam0/data.csv", f"{T1},", "soon,"), r"cam0/data\.csv:3: bad timestamp 'soon'"),
     "empty list": (
         write("mav0/cam0/data.csv", "#timestamp [ns],filename\n"),
         r"cam0/data\.csv: lists no images",
     ),
     "no file name": (write("mav0/cam0/data.csv", f"{T0}\n"), r"cam0/data\.csv:1: expected"),
-    "NaN pose": (replace(TRUTH, ",0,0,", ",nan,0,"), r"estimate0/data\.csv:2: number is not finite: nan"),
-    "infinite pose": (replace(TRUTH, ",0,0,", ",0,-inf,"), r"estimate0/data\.csv:2: number is not finite"),
-    "bad pose": (replace(TRUTH, ",0,0,", ",0,x,"), r"estimate0/data\.csv:2: bad number 'x'"),
+    "NaN pose": (edit(TRUTH, ",0,0,", ",nan,0,"), r"estimate0/data\.csv:2: number is not finite: nan"),
+    "infinite pose": (edit(TRUTH, ",0,0,", ",0,-inf,"), r"estimate0/data\.csv:2: number is not finite"),
+    "bad pose": (edit(TRUTH, ",0,0,", ",0,x,"), r"estimate0/data\.csv:2: bad number 'x'"),
     "quaternion": (
-        replace(TRUTH, ",1,0,0,0", ",1,0.1,0,0"),
+        edit(TRUTH, ",1,0,0,0", ",1,0.1,0,0"),
         r"estimate0/data\.csv:2: quaternion of length 1\.005",
     ),
-    "few columns": (replace(TRUTH, ",1,0,0,0", ""), r"estimate0/data\.csv:2: 4 columns"),
+    "few columns": (edit(TRUTH, ",1,0,0,0", ""), r"estimate0/data\.csv:2: 4 columns"),
     "empty poses": (write(TRUTH, "#\n"), r"estimate0/data\.csv: holds no poses"),
     "poses of another day": (
         write(TRUTH, "1,0,0,0,1,0,0,0\n2,0,0,0,1,0,0,0\n"),
@@ -89,65 +77,65 @@ ASL = {
     ),
     "binary poses": (write(TRUTH, b"\xff\xfe\x00"), r"estimate0/data\.csv: not a text file"),
     "zero baseline": (
-        replace(CAM1_SENSOR, str(cases.BASELINE_M), "0.0"),
+        edit(CAM1_SENSOR, str(cases.BASELINE_M), "0.0"),
         r"cam1/sensor\.yaml: baseline is 0 m",
     ),
     "negative baseline": (
-        replace(CAM1_SENSOR, "0.25", "-0.25"),
+        edit(CAM1_SENSOR, "0.25", "-0.25"),
         r"cam1/sensor\.yaml: .*not right of the left",
     ),
     "broken yaml": (
         write(CAM1_SENSOR, "%YAML:1.0\na: [1, 2\nb: {"),
         r"cam1/sensor\.yaml: not readable as YAML",
     ),
-    "no intrinsics": (replace(CAM1_SENSOR, "intrinsics", "other"), r"sensor\.yaml: intrinsics is missing"),
+    "no intrinsics": (edit(CAM1_SENSOR, "intrinsics", "other"), r"sensor\.yaml: intrinsics is missing"),
     "NaN focal length": (
-        replace(CAM1_SENSOR, "[120.0, 120.0", "[.nan, 120.0"),
+        edit(CAM1_SENSOR, "[120.0, 120.0", "[.nan, 120.0"),
         r"sensor\.yaml: intrinsics holds",
     ),
     "word for a number": (
-        replace(CAM1_SENSOR, "[120.0, 120.0", "[x, 120.0"),
+        edit(CAM1_SENSOR, "[120.0, 120.0", "[x, 120.0"),
         r"sensor\.yaml: intrinsics holds a bad",
     ),
-    "zero focal length": (replace(CAM1_SENSOR, "[120.0", "[0.0"), r"sensor\.yaml: .*must be positive"),
+    "zero focal length": (edit(CAM1_SENSOR, "[120.0", "[0.0"), r"sensor\.yaml: .*must be positive"),
     "other lens": (
-        replace(CAM1_SENSOR, "radial-tangential", "fov"),
+        edit(CAM1_SENSOR, "radial-tangential", "fov"),
         r"sensor\.yaml: distortion_model is neither",
     ),
-    "no rotation": (replace(CAM1_SENSOR, "[1.0", "[2.0"), r"sensor\.yaml: T_BS does not hold a rotation"),
+    "no rotation": (edit(CAM1_SENSOR, "[1.0", "[2.0"), r"sensor\.yaml: T_BS does not hold a rotation"),
     "T_BS too short": (
-        replace(CAM1_SENSOR, "0.0, 0.0, 0.0, 1.0]", "1.0]"),
+        edit(CAM1_SENSOR, "0.0, 0.0, 0.0, 1.0]", "1.0]"),
         r"T_BS holds 13 numbers, expected 16",
     ),
 }
 
 KITTI = {
-    "no calibration": (remove("sequences/00/calib.txt"), r"calib\.txt: no such file"),
-    "no times": (remove("sequences/00/times.txt"), r"times\.txt: no such file"),
-    "no right image": (remove("sequences/00/image_1/000002.png"), r"image_1/000002\.png: no such file"),
+    "no calibration": (cases.remove("sequences/00/calib.txt"), r"calib\.txt: no such file"),
+    "no times": (cases.remove("sequences/00/times.txt"), r"times\.txt: no such file"),
+    "no right image": (cases.remove("sequences/00/image_1/000002.png"), r"image_1/000002\.png: no such file"),
     "too few times": (write("sequences/00/times.txt", "0\n0.1\n"), r"times\.txt: 2 times for 4 frames"),
     "time stands still": (
-        replace("sequences/00/times.txt", "2.0", "1.0"),
+        edit("sequences/00/times.txt", "2.0", "1.0"),
         r"times\.txt:3: time does not increase",
     ),
-    "NaN time": (replace("sequences/00/times.txt", "2.0", "nan #"), r"times\.txt:3: bad number"),
-    "negative time": (replace("sequences/00/times.txt", "0.0", "-1.0"), r"times\.txt:1: time out of range"),
-    "NaN pose": (replace("poses/00.txt", "0 1 2", "0 1 nan"), r"00\.txt:3: number is not finite: nan"),
-    "no rotation": (replace("poses/00.txt", "1 0 0", "1 1 0"), r"00\.txt:1: does not hold a rotation"),
-    "short pose": (replace("poses/00.txt", "1 0 0 0", "1 0 0"), r"00\.txt:1: 11 numbers, expected 12"),
+    "NaN time": (edit("sequences/00/times.txt", "2.0", "nan #"), r"times\.txt:3: bad number"),
+    "negative time": (edit("sequences/00/times.txt", "0.0", "-1.0"), r"times\.txt:1: time out of range"),
+    "NaN pose": (edit("poses/00.txt", "0 1 2", "0 1 nan"), r"00\.txt:3: number is not finite: nan"),
+    "no rotation": (edit("poses/00.txt", "1 0 0", "1 1 0"), r"00\.txt:1: does not hold a rotation"),
+    "short pose": (edit("poses/00.txt", "1 0 0 0", "1 0 0"), r"00\.txt:1: 11 numbers, expected 12"),
     "too few poses": (write("poses/00.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n"), r"00\.txt: 1 poses for 4 frames"),
-    "no P1": (replace("sequences/00/calib.txt", "P1", "P2"), r"calib\.txt: P1 is missing"),
-    "zero baseline": (replace("sequences/00/calib.txt", "-30.0", "0.0"), r"calib\.txt: baseline is 0 m"),
+    "no P1": (edit("sequences/00/calib.txt", "P1", "P2"), r"calib\.txt: P1 is missing"),
+    "zero baseline": (edit("sequences/00/calib.txt", "-30.0", "0.0"), r"calib\.txt: baseline is 0 m"),
     "negative baseline": (
-        replace("sequences/00/calib.txt", "-30.0", "30.0"),
+        edit("sequences/00/calib.txt", "-30.0", "30.0"),
         r"calib\.txt: baseline is -0\.25 m",
     ),
     "bad focal length": (
-        replace("sequences/00/calib.txt", "120.0", "12o"),
+        edit("sequences/00/calib.txt", "120.0", "12o"),
         r"calib\.txt:1: bad number '12o'",
     ),
     "zero focal length": (
-        replace("sequences/00/calib.txt", "120.0", "0"),
+        edit("sequences/00/calib.txt", "120.0", "0"),
         r"calib\.txt:1: no projection matrix",
     ),
 }
@@ -155,22 +143,22 @@ KITTI = {
 TILTED = cases.PAIR_CALIBRATION + "up_world = [0, 0, 2]\n"
 
 PAIRS = {
-    "no calibration": (remove("calibration.toml"), r"calibration\.toml: no such file"),
-    "no right image": (remove("scene01_right.png"), r"scene01_right\.png: no such file"),
-    "no left image": (remove("scene01_left.png"), r"scene01_left\.png: no such file"),
+    "no calibration": (cases.remove("calibration.toml"), r"calibration\.toml: no such file"),
+    "no right image": (cases.remove("scene01_right.png"), r"scene01_right\.png: no such file"),
+    "no left image": (cases.remove("scene01_left.png"), r"scene01_left\.png: no such file"),
     "not TOML": (write("calibration.toml", "focal_px ="), r"calibration\.toml: not readable as TOML"),
-    "no focal length": (replace("calibration.toml", "focal_px = 120.0", ""), r"toml: focal_px is missing"),
-    "NaN focal length": (replace("calibration.toml", "120.0", "nan"), r"focal_px is no finite number"),
-    "text focal length": (replace("calibration.toml", "120.0", "'120'"), r"focal_px is no finite number"),
+    "no focal length": (edit("calibration.toml", "focal_px = 120.0", ""), r"toml: focal_px is missing"),
+    "NaN focal length": (edit("calibration.toml", "120.0", "nan"), r"focal_px is no finite number"),
+    "text focal length": (edit("calibration.toml", "120.0", "'120'"), r"focal_px is no finite number"),
     "zero baseline": (
-        replace("calibration.toml", "0.25", "0"),
+        edit("calibration.toml", "0.25", "0"),
         r"calibration\.toml: baseline_m is 0, must be pos",
     ),
     "negative baseline": (
-        replace("calibration.toml", "0.25", "-0.25"),
+        edit("calibration.toml", "0.25", "-0.25"),
         r"baseline_m is -0\.25, must be positive",
     ),
-    "unknown key": (replace("calibration.toml", "cx", "cx_px"), r"calibration\.toml: unknown key cx_px"),
+    "unknown key": (edit("calibration.toml", "cx", "cx_px"), r"calibration\.toml: unknown key cx_px"),
     "half a calibration": (write("calibration.toml", "[left]\n"), r"calibration\.toml: fx_px is missing"),
     "long up": (write("calibration.toml", TILTED), r"toml: up_world must have the length 1"),
     "poses without times": (write("poses.csv", "t_s\n"), r"times\.csv: no such file: poses\.csv needs"),
@@ -184,7 +172,7 @@ PAIRS = {
 }
 
 IMAGES = {
-    "missing": (remove("scene01_left.png"), "no such file"),
+    "missing": (cases.remove("scene01_left.png"), "no such file"),
     "empty": (write("scene01_left.png", b""), "empty file"),
     "no image": (write("scene01_left.png", b"hello"), "not a PNG, JPEG, PGM or PPM image"),
     "half": (cut("scene01_left.png", 0.5), "truncated image"),

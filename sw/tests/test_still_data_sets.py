@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import sequence_cases as cases
 from command_line import assert_refused, call
+from sequence_cases import Damage, edit, remove
 from vista import StereoEngine
 from vista.errors import InputError
 from vista.rectify import Rectifier
@@ -81,25 +81,15 @@ def test_one_calibration_for_all(tmp_path: Path) -> None:
     assert len(open_sequence(folder, Options(calibration=rig)).frames) == 4
 
 
-Damage = Callable[[Path], object]
-
-
-def edit(name: str, old: str, new: str) -> Damage:
-    def damage(folder: Path) -> None:
-        text = (folder / name).read_text()
-        assert old in text
-        (folder / name).write_text(text.replace(old, new))
-
-    return damage
-
-
-def remove(name: str) -> Damage:
-    return lambda folder: (folder / name).unlink()
-
-
 KITTI: dict[str, tuple[Damage, str]] = {
-    "no right image": (remove("image_1/000001_10.png"), r"image_1/000001_10\.png: no such file: the right"),
-    "no calibration": (remove("calib/000002.txt"), r"calib/000002\.txt: no such file; give --calibration"),
+    "no right image": (
+        remove("image_1/000001_10.png"),
+        r"image_1/000001_10\.png: no such file: the right",
+    ),
+    "no calibration": (
+        remove("calib/000002.txt"),
+        r"calib/000002\.txt: no such file; give --calibration",
+    ),
     "no P1": (edit("calib/000000.txt", "P1", "P4"), r"calib/000000\.txt: P1 is missing"),
     "no baseline": (
         edit("calib/000000.txt", "-30.0", "0.0"),
