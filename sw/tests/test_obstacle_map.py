@@ -882,6 +882,25 @@ def test_what_is_not_confirmed_is_in_the_way_where_the_frames_do_not_see_through
     assert MapOverSpace(free, [enters]).in_the_way == [5]
 
 
+def test_the_path_is_free_no_farther_than_what_may_fly_into_it() -> None:
+    """In 3.5 s it is where the aircraft is then. One that goes away, or stands, does not bound it; three hits
+    whose motion is two standard deviations are enough, and no warning."""
+    space = watched()
+
+    def free_m(velocity, sigma_m: float = 0.3, **changes) -> float:
+        flies = {"coasting": False, "volume_window": 0, "velocity_m_s": velocity, "hits": 3}
+        flies |= {"credible": False, "confirmed": False}
+        mapper = MapOverSpace(space, [track((7.0, 0.0, 31.5), 5, sigma_m, **flies | changes)])
+        assert mapper.in_the_way == []
+        return lib.vista_obstacle_map_free_m(mapper.handle)
+
+    assert free_m([-2.0, 0.0, 0.0]) == pytest.approx(31.5)
+    assert free_m([2.0, 0.0, 0.0]) == free_m([0.0, 0.0, 0.0]) > 50.0
+    assert free_m([-2.0, 0.0, 0.0], hits=2) > 50.0
+    assert free_m([-2.0, 0.0, 0.0], sigma_m=1.5) > 50.0
+    assert free_m([-2.0, 0.0, 0.0], world={"foot_count": 5.0, "foot_share": 0.2}) > 50.0
+
+
 def test_there_is_room_for_all_that_has_no_track() -> None:
     """The map has room for as many tracks as there may be and a place; nearest first."""
     random = seeded(13)

@@ -327,9 +327,7 @@ static vista_status make_map(vista_pipeline *p, passage *way) {
       .terrain = &p->terrain, .blind_zone = &p->blind_zone, .space = &p->space, .places = &p->places};
   input.tracks = vista_tracker_tracks(p->tracker, &input.track_count);
   vista_obstacle_map_update(p->map, &way->frame, &input);
-  way->path_seen_m = vista_path_places_free_m(&way->frame, &p->places);
-  const vista_nearest_collision nearest = vista_obstacle_map_nearest(p->map);
-  if (nearest.valid) way->path_seen_m = fmin(way->path_seen_m, nearest.distance_m);
+  way->path_seen_m = vista_obstacle_map_free_m(p->map);
   way->collision_probability = collision_probability(p);
   return VISTA_OK;
 }

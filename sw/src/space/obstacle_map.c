@@ -28,6 +28,7 @@ struct vista_obstacle_map {
   int32_t count;
   vista_nearest_collision nearest;
   vista_obstacle *obstacles;
+  double free_m;
   bool *entering; /* a track: it is told as in the volume because it soon will be */
 };
 
@@ -50,6 +51,7 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
 void vista_obstacle_map_reset(vista_obstacle_map *map) {
   map->count = 0;
   map->nearest = (vista_nearest_collision){.valid = false};
+  map->free_m = 0.0;
 }
 
 const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count) {
@@ -58,6 +60,8 @@ const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map
 }
 
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map) { return map->nearest; }
+
+double vista_obstacle_map_free_m(const vista_obstacle_map *map) { return map->free_m; }
 
 /* Keeps the list sorted by distance, then id; lists are short. */
 static void insert(vista_obstacle_map *map, const vista_obstacle *obstacle) {
@@ -195,6 +199,36 @@ static void leave_to_ground(vista_obstacle_map *map, const vista_frame_view *fra
   }
 }
 
+/* What flies may be in the way where it is not yet. */
+static double free_m(const vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input) {
+  double free_m = vista_path_places_free_m(frame, input->places);
+  if (map->nearest.valid) free_m = fmin(free_m, map->nearest.distance_m);
+  for (int32_t i = 0; i < input->track_count; ++i) {
+    const vista_track *const track = &input->tracks[i];
+    if (!vista_track_may_enter(frame, track)) continue;
+    free_m = fmin(free_m, fmax(vista_flight_path_along(&frame->path, track->position_m, NULL), 0.0));
+  }
+  return free_m;
+}
+
+static void find_nearest(vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input) {
+  bool shown = false; /* by the nearest collision: it is seen, beyond what would hide it */
+  for (int32_t i = 0; i < map->count; ++i) {
+    const vista_obstacle *const o = &map->obstacles[i];
+    if (!o->confirmed || !o->in_collision_volume) continue;
+    shown |= !o->coasting;
+    const vista_track *const track = o->kind == VISTA_OBSTACLE_THING ? track_of(input, o->id) : NULL;
+    const vista_nearest_collision met = vista_nearest_collision_with(frame, o, track);
+    if (!map->nearest.valid || met.distance_m < map->nearest.distance_m) map->nearest = met;
+  }
+  vista_nearest_collision_allow_for_parts(&frame->motion.pose, map->obstacles, map->count, &map->nearest);
+  if (input->blind_zone == NULL || !input->blind_zone->occupied) return;
+  const vista_obstacle obstacle = too_near(frame, input->blind_zone->range_m);
+  insert(map, &obstacle);
+  if (!shown && !(map->nearest.valid && map->nearest.distance_m < obstacle.distance_m))
+    map->nearest = vista_nearest_collision_with(frame, &obstacle, NULL);
+}
+
 void vista_obstacle_map_update(vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input) {
   const vista_terrain *const terrain = input->terrain;
   vista_obstacle_map_reset(map);
@@ -212,19 +246,6 @@ void vista_obstacle_map_update(vista_obstacle_map *map, const vista_frame_view *
   }
   if (input->places != NULL) ask_places(map, frame, input);
   if (warned) leave_to_ground(map, frame, input);
-  bool shown = false; /* by the nearest collision: it is seen, beyond what would hide it */
-  for (int32_t i = 0; i < map->count; ++i) {
-    const vista_obstacle *const o = &map->obstacles[i];
-    if (!o->confirmed || !o->in_collision_volume) continue;
-    shown |= !o->coasting;
-    const vista_track *const track = o->kind == VISTA_OBSTACLE_THING ? track_of(input, o->id) : NULL;
-    const vista_nearest_collision met = vista_nearest_collision_with(frame, o, track);
-    if (!map->nearest.valid || met.distance_m < map->nearest.distance_m) map->nearest = met;
-  }
-  vista_nearest_collision_allow_for_parts(&frame->motion.pose, map->obstacles, map->count, &map->nearest);
-  if (input->blind_zone == NULL || !input->blind_zone->occupied) return;
-  const vista_obstacle obstacle = too_near(frame, input->blind_zone->range_m);
-  insert(map, &obstacle);
-  if (!shown && !(map->nearest.valid && map->nearest.distance_m < obstacle.distance_m))
-    map->nearest = vista_nearest_collision_with(frame, &obstacle, NULL);
+  find_nearest(map, frame, input);
+  if (input->places != NULL) map->free_m = free_m(map, frame, input);
 }

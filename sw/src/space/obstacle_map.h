@@ -69,4 +69,8 @@ void vista_obstacle_map_update(vista_obstacle_map *map, const vista_frame_view *
 const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count);
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map);
 
+/* How far the path is free: as far as its places are, no farther than the nearest collision, nor than what flies and may
+ * meet the aircraft. 0: the places are not known. */
+double vista_obstacle_map_free_m(const vista_obstacle_map *map);
+
 #endif

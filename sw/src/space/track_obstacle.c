@@ -35,11 +35,25 @@
 #define ACROSS_SIGMAS 3.0
 #define ACROSS_S 0.5
 
-/* The same for something that flies and will meet the aircraft, with the hits that it needs, and the steps in time. */
-#define MEET_M_S 1.0
-#define MEET_SIGMAS 5.0
-#define MEET_HITS 6
+/* How sure it has to be that something flies and meets the aircraft. */
+typedef struct meeting {
+  int32_t hits;
+  double speed_m_s, sigmas; /* that it moves across the path, at least */
+  double doubt; /* standard deviations of where it will be, which the volume is wider by */
+  double ahead_s; /* at most */
+} meeting;
+
 #define MEET_STEPS 60
+
+/* To warn of it: of what may only seem to move more is asked than of what is about to enter the volume, and the later
+ * both meet, the less certain that is, so the volume is narrower. */
+static meeting warned_of(const vista_obstacle_map_params *params) {
+  return (meeting){
+      .hits = 6, .speed_m_s = 1.0, .sigmas = 5.0, .doubt = -params->path_sigmas, .ahead_s = params->meet_s};
+}
+
+/* Not to call the path free where both may meet. */
+static const meeting not_free = {.hits = 3, .speed_m_s = 0.5, .sigmas = 2.0, .doubt = 2.0, .ahead_s = 6.0};
 
 /* A thing stands if its foot is, on average over at least so many hits, lower than this share of the camera's height. */
 #define FOOT_HITS 2.5
@@ -165,26 +179,24 @@ static bool seen_to_stand(const vista_track *track) {
   return w->foot_count >= FOOT_HITS && w->foot_share <= FOOT_STANDS * w->foot_count;
 }
 
-/* Whether a thing that flies and the aircraft will meet, both going on as they do. Of what may only seem to move more is
- * asked than of what is about to enter the volume: a faster and a more certain motion, more hits. Where both will be is
- * the less certain the later that is, so the volume is as much narrower. */
-static bool will_meet(const vista_obstacle_map_params *params, const vista_flight_path *path, double speed_m_s,
-                      const vista_track *track) {
-  if (track->hits < MEET_HITS || track->plain || seen_to_stand(track)) return false;
+/* Whether a thing that flies and the aircraft meet, both going on as they do. */
+static bool meets(const vista_obstacle_map_params *params, const vista_flight_path *path, double speed_m_s,
+                  const vista_track *track, const meeting *asked) {
+  if (track->hits < asked->hits || track->plain || seen_to_stand(track)) return false;
   double ahead[3], across[3];
   (void)vista_flight_path_along(path, track->position_m, ahead);
   const double variance = velocity_across(track, ahead, across);
   const double speed2 = vista_dot(across, across);
-  if (speed2 <= vista_square(MEET_M_S) || speed2 <= vista_square(MEET_SIGMAS) * variance) return false;
+  if (speed2 <= vista_square(asked->speed_m_s) || speed2 <= vista_square(asked->sigmas) * variance) return false;
   for (int k = 0; k <= MEET_STEPS; ++k) {
-    const double t_s = params->meet_s * k / MEET_STEPS, along_m = speed_m_s * t_s;
+    const double t_s = asked->ahead_s * k / MEET_STEPS, along_m = speed_m_s * t_s;
     if (along_m > path->length_m) return false;
     double there_m[3], off_m[3];
     vista_flight_path_point(path, along_m, there_m, NULL);
     for (int i = 0; i < 3; ++i) off_m[i] = track->position_m[i] + t_s * track->velocity_m_s[i] - there_m[i];
-    const double doubt_m = params->path_sigmas * t_s * sqrt(0.5 * variance);
+    const double doubt_m = asked->doubt * t_s * sqrt(0.5 * variance);
     const double likely_m =
-        vista_flight_path_likely_radius_m(path, along_m, params->collision_radius_m, params->path_sigmas) - doubt_m;
+        vista_flight_path_likely_radius_m(path, along_m, params->collision_radius_m, params->path_sigmas) + doubt_m;
     if (vista_norm(off_m) <= fmax(likely_m, VISTA_LIKELY_RADIUS_MIN * params->collision_radius_m)) return true;
   }
   return false;
@@ -271,6 +283,12 @@ bool vista_track_enters(const vista_frame_view *frame, const vista_track *track)
   vista_frame_jacobian_to_world(pose, jacobian_camera, jacobian);
   vista_frame_propagate(jacobian, covariance_m2, covariance_px2);
   const vista_disc disc = disc_of(frame, track, covariance_px2, camera_m[2]);
+  const meeting asked = warned_of(params);
   return about_to_enter(params, &frame->path, track, &disc) ||
-         will_meet(params, &frame->path, frame->motion.speed_m_s, track);
+         meets(params, &frame->path, frame->motion.speed_m_s, track, &asked);
+}
+
+bool vista_track_may_enter(const vista_frame_view *frame, const vista_track *track) {
+  return motion_is_seen(track) &&
+         meets(&frame->params->obstacle_map, &frame->path, frame->motion.speed_m_s, track, &not_free);
 }

@@ -16,4 +16,7 @@ bool vista_track_obstacle(const vista_frame_view *frame, const vista_track *trac
 /* Whether a thing in front of the camera is seen to move so that it will be in the volume soon, or meet the aircraft. */
 bool vista_track_enters(const vista_frame_view *frame, const vista_track *track);
 
+/* Whether it may fly into the way of the aircraft, by what is known of its motion: enough for the path not to be free. */
+bool vista_track_may_enter(const vista_frame_view *frame, const vista_track *track);
+
 #endif
