@@ -16,15 +16,12 @@ from typing import Any
 import numpy as np
 import pytest
 import sequence_cases as cases
-from autopilot_rules import Px4
 from command_line import Vista
 from mavlink_lines import line, write_lines
 from pymavlink.dialects.v20 import ardupilotmega as dialect
-from random_seed import seeded
 from vista import parameters
 from vista.mavlink.link import Link
-from vista.mavlink.replay import Clock, replay
-from vista.mavlink.sighting import Sighting, read_sightings
+from vista.mavlink.sighting import read_sightings
 from vista.mavlink.transport import open_transport
 
 pytestmark = pytest.mark.slow
@@ -160,63 +157,6 @@ def test_an_interruption_ends_it(tmp_path: Path) -> None:
         out, err = program.communicate(timeout=60)
     assert program.returncode == 130 and out == "" and err.count("\n") == 1
     assert err.startswith("vista: interrupted: ") and " frames to px4 at udp:" in err
-
-
-# ---- with a clock of the test: what a receiver knows at any time ----
-
-
-class Air:
-    """A transport that loses a share of the messages and delays the others, out of order."""
-
-    def __init__(self, random: np.random.Generator, px4: Px4, clock: dict[str, int]) -> None:
-        self.lost, self._random, self._px4, self._clock = 0, random, px4, clock
-        self._decoder = dialect.MAVLink(None)
-        self.on_the_way: list[tuple[float, int, bytes]] = []
-
-    def send(self, message: bytes) -> None:
-        if self._random.random() < 0.3:
-            self.lost += 1
-            return
-        late_ms = self._random.uniform(0.0, 60.0)
-        self.on_the_way.append((self._clock["ns"] / 1e6 + late_ms, len(self.on_the_way), message))
-
-    def deliver(self) -> None:
-        now_ms = self._clock["ns"] / 1e6
-        for _, _, message in sorted(entry for entry in self.on_the_way if entry[0] <= now_ms):
-            for decoded in self._decoder.parse_buffer(message) or []:
-                self._px4.receive(decoded, now_ms)
-        self.on_the_way = [entry for entry in self.on_the_way if entry[0] > now_ms]
-
-    def close(self) -> None:
-        pass
-
-
-def test_through_loss_and_reordering_px4_keeps_seeing_the_thing(tmp_path: Path) -> None:
-    sightings = read_sightings(write_lines(tmp_path / "o.jsonl", LINES))
-    for stream in range(5):
-        seen = fly(sightings, seeded(stream))
-        flown = [(ms, cm) for ms, cm in seen if 500.0 < ms <= 29 * 50.0]
-        assert sum(cm <= 4000 for _, cm in flown) > 0.5 * len(flown)
-        for ms, cm in flown:
-            truth_cm = 3000.0 - ms
-            assert cm == 65535 or truth_cm - 60.0 < cm < truth_cm + 650.0  # late by half a second at most
-        assert seen[-1][1] == 65535
-
-
-def fly(sightings: list[Sighting], random: np.random.Generator) -> list[tuple[float, int]]:
-    """Milliseconds since the first frame, and what PX4 has in front then."""
-    clock, px4 = {"ns": 10**9}, Px4()
-    air = Air(random, px4, clock)
-    seen: list[tuple[float, int]] = []
-
-    def sleep(duration_ns: int) -> None:
-        clock["ns"] += duration_ns
-        air.deliver()
-        now_ms = clock["ns"] / 1e6
-        seen.append((now_ms - 1000.0, px4.look(now_ms)[0]))
-
-    replay(sightings, Link(parameters.defaults()), air, Clock(lambda: clock["ns"], sleep), lambda: False)
-    return seen
 
 
 def test_a_serial_line_that_is_unplugged_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
