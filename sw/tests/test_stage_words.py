@@ -208,9 +208,6 @@ def test_a_near_thing_comes_from_a_coarser_level_and_its_chance_matches_go() -> 
     stage = Stage(96, 160, {"words.filling_levels": 1})
     stage.combine([level_0, level_1])
     assert (stage.words[36:64, 66:114] == 100 * SCALE).all()
-    stage = Stage(96, 160, {"words.filling_levels": 1})
-    stage.combine([level_0, level_1])
-    assert (stage.words[36:64, 66:114] == 100 * SCALE).all()
     assert (stage.words[:25] == 10 * SCALE).all()
     assert set(np.unique(stage.words)) == {10 * SCALE, 100 * SCALE}
 

@@ -57,7 +57,7 @@ def test_a_wire_is_found_where_it_is(behind_px: float) -> None:
 
 @pytest.mark.parametrize("behind_px", [NOTHING, 6.0])
 def test_a_wire_that_is_almost_level_is_found_where_it_is(behind_px: float) -> None:
-    """From column to column, near the middle of the view; the flatter, the less certain is its disparity."""
+    """Slopes from column to column, near the middle; the flatter, the less certain is its disparity."""
     random = seeded(19)
     angle = random.uniform(7.0, 14.0) * random.choice([-1.0, 1.0])
     wire = wire_at(angle, random.uniform(12.0, 25.0), 0.015, y_m=random.uniform(-0.5, 0.5))
