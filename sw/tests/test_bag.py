@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 from bag_cases import KINDS, LEFT, RIGHT, BagWriter, bag_writer
-from command_line import call
+from command_line import Vista
 from scipy.spatial.transform import Rotation
 from source_cases import QUATERNION_WXYZ, UP, Recording
 from vista.errors import InputError
@@ -508,11 +508,11 @@ def test_odometry_whose_time_goes_back_is_refused(tmp_path: Path, recording: Rec
 
 
 def test_a_run_drops_its_tracks_where_odometry_begins_anew(
-    tmp_path: Path, recording: Recording, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, recording: Recording, run_vista: Vista
 ) -> None:
     """The jump is 6 m in a frame of 50 ms: not fast enough for the detector to refuse it."""
     path = write_restarted(tmp_path / "bag", recording, TIMES_NS[2] + PERIOD_NS // 2, 7.0)
-    status, out, err = call(capsys, "run", path, "--out", tmp_path / "out")
+    status, out, err = run_vista("run", path, "--out", tmp_path / "out")
     assert status == 0 and "which began anew at another place" in out
     assert "frame 3: degraded: the poses began anew; all tracks were dropped" in err
     lines = [json.loads(line) for line in (tmp_path / "out" / "obstacles.jsonl").read_text().splitlines()]

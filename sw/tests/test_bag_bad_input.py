@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 from bag_cases import KINDS, LEFT, RIGHT, BagWriter, bag_writer
-from command_line import assert_refused, call
+from command_line import Vista, assert_refused
 from random_seed import seeded
 from source_cases import Recording
 from vista.errors import InputError
@@ -70,10 +70,10 @@ DAMAGES: dict[str, Damage] = {
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", DAMAGES)
-def test_damaged_bags(tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, name: str) -> None:
+def test_damaged_bags(tmp_path: Path, run_vista: Vista, kind: str, name: str) -> None:
     bag, file = write(tmp_path, kind)
     DAMAGES[name](file)
-    assert_refused(call(capsys, "run", bag, "--out", tmp_path / "out"), f"{bag}")
+    assert_refused(run_vista("run", bag, "--out", tmp_path / "out"), f"{bag}")
     assert not (tmp_path / "out").exists()
 
 
@@ -85,11 +85,11 @@ METADATA = {
 
 
 @pytest.mark.parametrize("name", METADATA)
-def test_damaged_metadata(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_damaged_metadata(tmp_path: Path, run_vista: Vista, name: str) -> None:
     bag, _ = write(tmp_path, "mcap")
     text, message = METADATA[name]
     (bag / "metadata.yaml").write_text(text)
-    assert_refused(call(capsys, "run", bag, "--out", tmp_path / "out"), f"{bag}: {message}")
+    assert_refused(run_vista("run", bag, "--out", tmp_path / "out"), f"{bag}: {message}")
 
 
 def test_without_metadata_the_only_file_is_read(tmp_path: Path) -> None:
@@ -108,27 +108,23 @@ def test_a_folder_with_the_name_of_a_file(tmp_path: Path) -> None:
         open_sequence(bag.rename(tmp_path / "x.bag"))
 
 
-def test_without_the_extra(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_the_extra(tmp_path: Path, run_vista: Vista, monkeypatch: pytest.MonkeyPatch) -> None:
     bag, _ = write(tmp_path, "ros1")
     for name in ("rosbags.highlevel", "rosbags.typesys"):
         monkeypatch.setitem(__import__("sys").modules, name, None)
     message = f"{bag}: reading bags needs the extra [bags]: pip install 'vista-stereo[bags]'"
-    assert_refused(call(capsys, "run", bag, "--out", tmp_path / "out"), message)
+    assert_refused(run_vista("run", bag, "--out", tmp_path / "out"), message)
 
 
 @pytest.mark.parametrize("topic", [LEFT, "/stereo/right/camera_info", "/odometry"])
-def test_an_index_that_promises_too_much(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], topic: str
-) -> None:
+def test_an_index_that_promises_too_much(tmp_path: Path, run_vista: Vista, topic: str) -> None:
     bag, file = write(tmp_path, "sqlite3")
     with closing(sqlite3.connect(file)) as database, database:
         database.execute(
             "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = ?)", [topic]
         )
     message = f"{bag}, topic {topic}: has no messages"
-    assert_refused(call(capsys, "run", bag, "--out", tmp_path / "out"), message)
+    assert_refused(run_vista("run", bag, "--out", tmp_path / "out"), message)
 
 
 # ---- messages that are not what they should be ----
@@ -193,13 +189,13 @@ MESSAGES: dict[str, tuple[Callable[..., Any], dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize("name", MESSAGES)
-def test_bad_messages(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_bad_messages(tmp_path: Path, run_vista: Vista, name: str) -> None:
     message, info, text = MESSAGES[name]
     path = tmp_path / "flight.bag"
     with bag_writer(path, "ros1") as bag:
         images(bag, "left", bags.raw_image)
         images(bag, "right", message, **info)
-    assert_refused(call(capsys, "run", path, "--out", tmp_path / "out"), text)
+    assert_refused(run_vista("run", path, "--out", tmp_path / "out"), text)
     assert not (tmp_path / "out" / "obstacles.jsonl").exists()
 
 
@@ -227,19 +223,17 @@ POSES = {
 
 
 @pytest.mark.parametrize("name", POSES)
-def test_bad_poses(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_bad_poses(tmp_path: Path, run_vista: Vista, name: str) -> None:
     make, text = POSES[name]
     path = tmp_path / "flight"
     with bag_writer(path, "mcap") as bag:
         images(bag, "left", bags.raw_image)
         images(bag, "right", bags.raw_image)
         bag.write("/poses", START_NS, make(bag))
-    assert_refused(call(capsys, "run", path, "--out", tmp_path / "out"), text)
+    assert_refused(run_vista("run", path, "--out", tmp_path / "out"), text)
 
 
-def test_topics_that_hold_nothing_are_named_as_empty(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_topics_that_hold_nothing_are_named_as_empty(tmp_path: Path, run_vista: Vista) -> None:
     """A recorder that subscribed to cameras which never spoke leaves such a bag."""
     path = tmp_path / "flight.bag"
     with bag_writer(path, "ros1") as bag:
@@ -247,23 +241,23 @@ def test_topics_that_hold_nothing_are_named_as_empty(
             bag.connect(f"/stereo/{side}/image_raw", "sensor_msgs/msg/Image")
         bag.write("/odometry", START_NS, bags.odometry(bag, START_NS, np.zeros(3)))
     text = "its image topics: /stereo/left/image_raw (empty), /stereo/right/image_raw (empty)"
-    assert_refused(call(capsys, "run", path, "--out", tmp_path / "out"), text)
+    assert_refused(run_vista("run", path, "--out", tmp_path / "out"), text)
     chosen = ("--left-topic", LEFT, "--right-topic", LEFT.replace("left", "right"))
     assert_refused(
-        call(capsys, "run", path, "--out", tmp_path / "out", *chosen), f"no image topic {LEFT}; {text}"
+        run_vista("run", path, "--out", tmp_path / "out", *chosen), f"no image topic {LEFT}; {text}"
     )
 
 
-def test_missing_topics(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_topics(tmp_path: Path, run_vista: Vista) -> None:
     path = tmp_path / "flight.bag"
     with bag_writer(path, "ros1") as bag:
         images(bag, "left", bags.raw_image)
         bag.write("/tail", START_NS, bags.raw_image(bag, START_NS, FRAMES[0].left))
     text = f"choose --left-topic and --right-topic; its image topics: {LEFT}, /tail"
-    assert_refused(call(capsys, "run", path, "--out", tmp_path / "out"), text)
+    assert_refused(run_vista("run", path, "--out", tmp_path / "out"), text)
     chosen = ("--left-topic", LEFT, "--right-topic", "/tail")
     text = f"no camera_info beside {LEFT} and /tail (it has: /stereo/left/camera_info); give --calibration"
-    assert_refused(call(capsys, "run", path, "--out", tmp_path / "out", *chosen), text)
+    assert_refused(run_vista("run", path, "--out", tmp_path / "out", *chosen), text)
 
 
 def test_calibration_of_stills(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ from board_rig import (
     turn_deg,
     write_pairs,
 )
-from command_line import assert_refused, call
+from command_line import Vista, assert_refused
 from vista.calibration.board import find_board, parse_board
 from vista.calibration.pictures import Picture as CalibrationPicture
 from vista.calibration.views import find_views
@@ -79,12 +79,10 @@ def assert_close(found: RawCalibration, rig: RawCalibration, focal: float, cente
     assert np.sqrt(np.mean(far_disparities_px(found, rig) ** 2)) < 0.4
 
 
-def test_a_chessboard_before_pinholes(
-    chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
+def test_a_chessboard_before_pinholes(chessboards: Path, tmp_path: Path, run_vista: Vista) -> None:
     """The calibration, an export along with it, and a report that holds everything."""
     arguments = ("calibrate", chessboards, "--board", CHESSBOARD, "--to", "ros", "--out", tmp_path)
-    status, printed, _ = call(capsys, *arguments)
+    status, printed, _ = run_vista(*arguments)
     assert status == 0
     assert_every_pair_is_accounted_for(printed)
     names = {"calibration.toml", "report.html", "left.yaml", "right.yaml"}
@@ -108,7 +106,7 @@ def assert_every_pair_is_accounted_for(printed: str) -> None:
 
 
 def test_every_pair_that_is_not_used_is_accounted_for(
-    chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+    chessboards: Path, tmp_path: Path, run_vista: Vista
 ) -> None:
     """One image without the board, a pair without it, and a pair that is there twice."""
     folder = tmp_path / "pictures"
@@ -121,7 +119,7 @@ def test_every_pair_that_is_not_used_is_accounted_for(
     for source, side in ((names[6], "left"), (right[6], "right")):
         (folder / f"900_{side}.png").write_bytes(source.read_bytes())
     arguments = ("calibrate", folder, "--board", CHESSBOARD, "--out", tmp_path / "out")
-    _, printed, _ = call(capsys, *arguments)
+    _, printed, _ = run_vista(*arguments)
     for reason in (
         "1 like others",
         "1 with the board in the right image only",
@@ -132,23 +130,19 @@ def test_every_pair_that_is_not_used_is_accounted_for(
     assert_every_pair_is_accounted_for(printed)
 
 
-def test_parts_of_a_charuco_board_before_fisheyes(
-    fisheyes: Path, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
+def test_parts_of_a_charuco_board_before_fisheyes(fisheyes: Path, tmp_path: Path, run_vista: Vista) -> None:
     arguments = ("calibrate", fisheyes, "--board", CHARUCO, "--lens", "fisheye", "--out", tmp_path)
-    assert call(capsys, *arguments)[0] == 0
+    assert run_vista(*arguments)[0] == 0
     assert_close(read(tmp_path, fisheye_rig()), fisheye_rig(), 0.004, 1.5)
 
 
-def test_a_view_of_two_moments_is_left_out(
-    chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
+def test_a_view_of_two_moments_is_left_out(chessboards: Path, tmp_path: Path, run_vista: Vista) -> None:
     folder = tmp_path / "pictures"
     copy(chessboards, folder)
     late = sorted(folder.glob("*_right.png"))
     moved = np.roll(cv2.imread(str(late[3]), cv2.IMREAD_GRAYSCALE), 9, axis=0)
     cv2.imwrite(str(late[3]), moved)
-    status, printed, _ = call(capsys, "calibrate", folder, "--board", CHESSBOARD, "--out", tmp_path / "out")
+    status, printed, _ = run_vista("calibrate", folder, "--board", CHESSBOARD, "--out", tmp_path / "out")
     assert status == 0
     assert "1 in disagreement with the others" in printed
     assert_every_pair_is_accounted_for(printed)
@@ -190,12 +184,12 @@ REFUSED = {
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_pictures_that_make_no_pair_are_refused(
-    name: str, chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+    name: str, chessboards: Path, tmp_path: Path, run_vista: Vista
 ) -> None:
     change, message = REFUSED[name]
     folder, out = tmp_path / "pictures", tmp_path / "out"
     copy(chessboards, folder, change)
-    assert_refused(call(capsys, "calibrate", folder, "--board", CHESSBOARD, "--out", out), message)
+    assert_refused(run_vista("calibrate", folder, "--board", CHESSBOARD, "--out", out), message)
     assert not out.exists()
 
 
@@ -209,11 +203,11 @@ def some_of(pictures: Path, folder: Path) -> Path:
 
 @pytest.mark.parametrize("count", ["10x7", "8x5", "5x8"])
 def test_a_wrong_count_is_answered_by_one_that_works(
-    count: str, chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+    count: str, chessboards: Path, tmp_path: Path, run_vista: Vista
 ) -> None:
     """Whether squares were counted or corners were missed; a part of the board may have that count."""
     few, board = some_of(chessboards, tmp_path / "few"), f"chessboard:{count}:50"
-    outcome = call(capsys, "calibrate", few, "--out", tmp_path / "out", "--board", board)
+    outcome = run_vista("calibrate", few, "--out", tmp_path / "out", "--board", board)
     assert_refused(outcome, "a chessboard of 9x6 inner corners is there")
     assert not (tmp_path / "out").exists()
     advised = re.search(r"--board (chessboard:\S+)", outcome[2])[1]
@@ -228,19 +222,17 @@ def test_a_wrong_count_is_answered_by_one_that_works(
     ],
 )
 def test_another_charuco_board_is_named(
-    board: str, message: str, fisheyes: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+    board: str, message: str, fisheyes: Path, tmp_path: Path, run_vista: Vista
 ) -> None:
     few = some_of(fisheyes, tmp_path / "few")
-    assert_refused(call(capsys, "calibrate", few, "--board", board, "--out", tmp_path / "out"), message)
+    assert_refused(run_vista("calibrate", few, "--board", board, "--out", tmp_path / "out"), message)
 
 
-def test_a_mirrored_charuco_board_is_refused(
-    fisheyes: Path, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
+def test_a_mirrored_charuco_board_is_refused(fisheyes: Path, tmp_path: Path, run_vista: Vista) -> None:
     few = some_of(fisheyes, tmp_path / "few")
     copy(few, tmp_path / "pictures", lambda left, right: (mirror(left), mirror(right)))
     arguments = ("calibrate", tmp_path / "pictures", "--board", CHARUCO, "--out", tmp_path / "out")
-    assert_refused(call(capsys, *arguments), "the images, or the print, are mirrored")
+    assert_refused(run_vista(*arguments), "the images, or the print, are mirrored")
 
 
 def some(rig: RawCalibration, count: int, tilt_deg: float, roll: bool = True) -> list[Picture]:
@@ -252,21 +244,19 @@ def some(rig: RawCalibration, count: int, tilt_deg: float, roll: bool = True) ->
     return render_pairs(rig, board, poses, random)
 
 
-def test_too_few_views_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_too_few_views_are_refused(tmp_path: Path, run_vista: Vista) -> None:
     write_pairs(tmp_path / "pictures", some(pinhole_rig((320, 240)), 5, 35.0))
     arguments = ("calibrate", tmp_path / "pictures", "--board", CHESSBOARD, "--out", tmp_path / "out")
-    assert_refused(call(capsys, *arguments), "at least 8 are needed")
+    assert_refused(run_vista(*arguments), "at least 8 are needed")
 
 
-def test_a_single_orientation_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_a_single_orientation_is_refused(tmp_path: Path, run_vista: Vista) -> None:
     write_pairs(tmp_path / "pictures", some(pinhole_rig(), 16, 0.0, roll=False))
     arguments = ("calibrate", tmp_path / "pictures", "--board", CHESSBOARD, "--out", tmp_path / "out")
-    assert_refused(call(capsys, *arguments), "the board faces one direction in all of them")
+    assert_refused(run_vista(*arguments), "the board faces one direction in all of them")
 
 
-def test_a_board_that_stays_is_refused(
-    chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
+def test_a_board_that_stays_is_refused(chessboards: Path, tmp_path: Path, run_vista: Vista) -> None:
     folder = tmp_path / "pictures"
     folder.mkdir()
     for side in ("left", "right"):
@@ -274,7 +264,7 @@ def test_a_board_that_stays_is_refused(
         for index in range(9):
             (folder / f"{index}_{side}.png").write_bytes(data)
     arguments = ("calibrate", folder, "--board", CHESSBOARD, "--out", tmp_path / "out")
-    assert_refused(call(capsys, *arguments), "are nearly the same")
+    assert_refused(run_vista(*arguments), "are nearly the same")
 
 
 @pytest.mark.parametrize(
@@ -291,18 +281,14 @@ def test_a_board_that_stays_is_refused(
         ("charuco:20x20:30:20:4X4_50", "has 200 markers, the dictionary 4X4_50 only 50"),
     ],
 )
-def test_a_board_that_is_none(
-    board: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
-    assert_refused(call(capsys, "calibrate", tmp_path, "--board", board, "--out", tmp_path / "out"), message)
+def test_a_board_that_is_none(board: str, message: str, tmp_path: Path, run_vista: Vista) -> None:
+    assert_refused(run_vista("calibrate", tmp_path, "--board", board, "--out", tmp_path / "out"), message)
 
 
 # ---- pictures of other kinds ----
 
 
-def test_videos_side_by_side_and_in_two_files(
-    chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
+def test_videos_side_by_side_and_in_two_files(chessboards: Path, tmp_path: Path, run_vista: Vista) -> None:
     pairs = [
         [cv2.imread(str(chessboards / f"{index:03d}_{side}.png")) for side in ("left", "right")]
         for index in range(COUNT)
@@ -313,7 +299,7 @@ def test_videos_side_by_side_and_in_two_files(
     for index, files in enumerate((["both.avi"], ["left.avi", "right.avi"])):
         out = tmp_path / f"out{index}"
         sources = [tmp_path / name for name in files]
-        status, printed, error = call(capsys, "calibrate", *sources, "--board", CHESSBOARD, "--out", out)
+        status, printed, error = run_vista("calibrate", *sources, "--board", CHESSBOARD, "--out", out)
         assert status == 0, error
         assert "of 14 pairs used" in printed
         assert_close(read(out, pinhole_rig()), pinhole_rig(), 0.004, 2.5)
@@ -341,13 +327,11 @@ def make_video(path: Path, frames: list[np.ndarray]) -> None:
         (lambda folder: written(folder / "left" / "a.png", b"").parents[1], "holds no pairs"),
     ],
 )
-def test_sources_that_are_none(
-    make: object, message: str, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
+def test_sources_that_are_none(make: object, message: str, tmp_path: Path, run_vista: Vista) -> None:
     folder = tmp_path / "pictures"
     folder.mkdir()
     out = tmp_path / "out"
-    assert_refused(call(capsys, "calibrate", make(folder), "--board", CHESSBOARD, "--out", out), message)
+    assert_refused(run_vista("calibrate", make(folder), "--board", CHESSBOARD, "--out", out), message)
     assert not out.exists()
 
 
@@ -357,13 +341,13 @@ def written(path: Path, data: bytes) -> Path:
     return path
 
 
-def test_folders_left_and_right(chessboards: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_folders_left_and_right(chessboards: Path, tmp_path: Path, run_vista: Vista) -> None:
     for side in ("left", "right"):
         (tmp_path / "pictures" / side).mkdir(parents=True)
         for path in sorted(chessboards.glob(f"*_{side}.png"))[:10]:
             (tmp_path / "pictures" / side / f"{path.stem[:3]}.png").write_bytes(path.read_bytes())
     arguments = ("calibrate", tmp_path / "pictures", "--board", CHESSBOARD, "--out", tmp_path / "out")
-    assert "of 10 pairs used" in call(capsys, *arguments)[1]
+    assert "of 10 pairs used" in run_vista(*arguments)[1]
 
 
 # ---- finding corners ----

@@ -14,7 +14,7 @@ import pytest
 import sequence_cases as cases
 import yaml
 from board_rig import exact_row_errors_px, fisheye_rig, random_rig, seen_px
-from command_line import assert_refused, call
+from command_line import Vista, assert_refused, call
 from random_seed import seeded
 from shared_data import SHARED_DATA
 from vista.calibration.formats import FORMATS, read_rig, write_rig
@@ -194,14 +194,14 @@ def yaml_of(path: Path) -> dict:
 
 
 @pytest.mark.parametrize("by_way_of", ["euroc", "toml"])
-def test_euroc_comes_back_to_the_digit(by_way_of: str, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_euroc_comes_back_to_the_digit(by_way_of: str, tmp_path: Path, run_vista: Vista) -> None:
     folder = SHARED_DATA / "euroc_v101" / "mav0"
     if not folder.is_dir():
         pytest.skip("euroc_v101 is not present")
     sources = [folder / f"cam{i}" / "sensor.yaml" for i in (0, 1)]
-    assert call(capsys, "calibrate", *sources, "--to", by_way_of, "--out", tmp_path / "a")[0] == 0
+    assert run_vista("calibrate", *sources, "--to", by_way_of, "--out", tmp_path / "a")[0] == 0
     written = sorted((tmp_path / "a").rglob("*.*"))
-    assert call(capsys, "calibrate", *written, "--to", "euroc", "--out", tmp_path / "b")[0] == 0
+    assert run_vista("calibrate", *written, "--to", "euroc", "--out", tmp_path / "b")[0] == 0
     for i, source in enumerate(sources):
         before, after = yaml_of(source), yaml_of(tmp_path / "b" / f"cam{i}" / "sensor.yaml")
         for key in ("T_BS", "intrinsics", "distortion_coefficients", "resolution"):
@@ -224,16 +224,14 @@ def test_euroc_is_rectified_the_same_from_calibration_toml(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("by_way_of", ["boofcv", "toml"])
-def test_bumblebee2_comes_back_to_the_last_digit(
-    by_way_of: str, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
+def test_bumblebee2_comes_back_to_the_last_digit(by_way_of: str, tmp_path: Path, run_vista: Vista) -> None:
     source = SHARED_DATA / "bumblebee2" / "stereo.yaml"
     if not source.is_file():
         pytest.skip("bumblebee2 is not present")
     unit = ("--unit", "mm", "--out")
-    assert call(capsys, "calibrate", source, "--to", by_way_of, *unit, tmp_path / "a")[0] == 0
+    assert run_vista("calibrate", source, "--to", by_way_of, *unit, tmp_path / "a")[0] == 0
     written = next((tmp_path / "a").iterdir())
-    assert call(capsys, "calibrate", written, "--to", "boofcv", *unit, tmp_path / "b")[0] == 0
+    assert run_vista("calibrate", written, "--to", "boofcv", *unit, tmp_path / "b")[0] == 0
     before, after = yaml_of(source), yaml_of(tmp_path / "b" / "stereo.yaml")
     for side in ("left", "right"):
         assert after[side] == before[side]
@@ -379,9 +377,9 @@ def test_what_a_format_cannot_hold_is_refused(tmp_path: Path) -> None:
         write_rig(rig_of(fisheye_rig()), "boofcv", Options())
 
 
-def test_options_of_pictures_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_options_of_pictures_are_refused(tmp_path: Path, run_vista: Vista) -> None:
     arguments = ("calibrate", tmp_path, "--rate", 10, "--out", tmp_path / "out")
-    assert_refused(call(capsys, *arguments), "--rate: is for pictures of a board")
+    assert_refused(run_vista(*arguments), "--rate: is for pictures of a board")
 
 
 @pytest.mark.parametrize("buffer_rows", [0, 128])

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import yaml
 from board_rig import exact_row_errors_px, fisheye_rig, random_rig
-from command_line import assert_refused, call
+from command_line import Vista, assert_refused, call
 from vista.calibration.board import parse_board
 from vista.calibration.formats import read_rig, write_rig
 from vista.calibration.formats.common import Options
@@ -114,24 +114,24 @@ def test_options_that_a_format_does_not_take_are_refused(
     assert not (tmp_path / "out").exists()
 
 
-def test_the_unit_counts_where_either_file_has_one(tmp_path: Path, capsys: Capture) -> None:
+def test_the_unit_counts_where_either_file_has_one(tmp_path: Path, run_vista: Vista) -> None:
     (file,) = written(tmp_path, "kalibr", random_rig())
     arguments = ("calibrate", file, "--to", "opencv", "--unit", "mm", "--size-px", "640x480")
-    assert call(capsys, *arguments, "--out", tmp_path / "out")[0] == 0
+    assert run_vista(*arguments, "--out", tmp_path / "out")[0] == 0
     storage = cv2.FileStorage(str(tmp_path / "out/stereo.yml"), cv2.FILE_STORAGE_READ)
     assert 100.0 < np.linalg.norm(storage.getNode("T").mat()) < 140.0
 
 
 @pytest.mark.parametrize(("option", "value"), [("--size-px", "640x480"), ("--unit", "mm")])
 def test_options_of_files_are_refused_for_pictures(
-    option: str, value: str, tmp_path: Path, capsys: Capture
+    option: str, value: str, tmp_path: Path, run_vista: Vista
 ) -> None:
     arguments = ("calibrate", tmp_path, "--board", "chessboard:9x6:25", option, value)
-    assert_refused(call(capsys, *arguments, "--out", tmp_path / "out"), f"{option}: ")
+    assert_refused(run_vista(*arguments, "--out", tmp_path / "out"), f"{option}: ")
 
 
-def test_pictures_need_a_board(tmp_path: Path, capsys: Capture) -> None:
-    ran = call(capsys, "calibrate", tmp_path, "--out", tmp_path / "out")
+def test_pictures_need_a_board(tmp_path: Path, run_vista: Vista) -> None:
+    ran = run_vista("calibrate", tmp_path, "--out", tmp_path / "out")
     assert_refused(ran, f"{tmp_path}: pictures need --board, which says what they show")
 
 

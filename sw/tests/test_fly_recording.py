@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sequence_cases as cases
-from command_line import assert_refused, call
+from command_line import Vista, assert_refused
 from flight_on_disk import write_flight
 from fly_process import SANITIZED, compare, fly, frames_at, prepare, timeless
 from shared_data import SHARED_DATA
@@ -59,13 +59,13 @@ def test_distorted_images(tmp_path: Path) -> None:
 # ---- prepare ----
 
 
-def test_a_rig_of_cameras(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_rig_of_cameras(tmp_path: Path, run_vista: Vista) -> None:
     pairs = cases.make_flown_pairs(tmp_path / "flight", 2)
     prepare(tmp_path / "whole", pairs)
     calibration = pairs / "calibration.toml"
     size = "x".join(map(str, struct.unpack_from("<2I", (tmp_path / "whole" / "rig.vista").read_bytes(), 12)))
     options = ["--calibration", calibration, "--size-px", size, "--out", tmp_path / "cameras"]
-    assert call(capsys, "prepare", *options)[0] == 0
+    assert run_vista("prepare", *options)[0] == 0
     assert [file.name for file in (tmp_path / "cameras").iterdir()] == ["rig.vista"]
     rigs = [(tmp_path / name / "rig.vista").read_bytes() for name in ("cameras", "whole")]
     assert rigs[0] == rigs[1]
@@ -80,21 +80,17 @@ def test_a_rig_of_cameras(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
         (["flight", "--poses", "odometry"], "not estimated"),
     ],
 )
-def test_prepare_refuses(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], text: str
-) -> None:
+def test_prepare_refuses(tmp_path: Path, run_vista: Vista, arguments: list[str], text: str) -> None:
     flight = cases.make_flown_pairs(tmp_path / "flight", 2)
     named = [flight if argument == "flight" else argument for argument in arguments]
-    assert_refused(call(capsys, "prepare", *named, "--out", tmp_path / "out"), text)
+    assert_refused(run_vista("prepare", *named, "--out", tmp_path / "out"), text)
     assert not (tmp_path / "out").exists()
 
 
-def test_an_image_that_cannot_be_read_leaves_nothing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_image_that_cannot_be_read_leaves_nothing(tmp_path: Path, run_vista: Vista) -> None:
     flight = cases.make_flown_pairs(tmp_path / "flight", 3)
     (flight / "scene02_left.png").write_bytes(b"no image")
-    assert_refused(call(capsys, "prepare", flight, "--out", tmp_path / "out"), "scene02_left.png")
+    assert_refused(run_vista("prepare", flight, "--out", tmp_path / "out"), "scene02_left.png")
     assert list((tmp_path / "out").iterdir()) == []
 
 

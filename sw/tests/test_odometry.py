@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import sequence_cases as cases
 import source_cases
-from command_line import assert_refused, call
+from command_line import Vista, assert_refused
 from fly_process import fly, timeless
 from numpy.typing import NDArray
 from shared_data import SHARED_DATA
@@ -150,10 +150,10 @@ def test_the_host_begins_anew_with_it(tmp_path: Path) -> None:
     np.testing.assert_allclose(velocity_m_s, [0.0, 0.0, 10.0], atol=2.0)
 
 
-def test_a_recording_of_it_is_replayed_alike(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_recording_of_it_is_replayed_alike(tmp_path: Path, run_vista: Vista) -> None:
     record, out = tmp_path / "flight.rec", tmp_path / "out"
     run = ("run", lost_flight(tmp_path / "flight"), "--no-overlay", "--out", out)
-    status, _, err = call(capsys, *run, "--poses", "odometry", "--record", record)
+    status, _, err = run_vista(*run, "--poses", "odometry", "--record", record)
     assert status == 0
     assert "frame 14: degraded: the poses began anew; all tracks were dropped" in err
     replayed = fly("--recording", record, "--all-frames", "--out", tmp_path / "lines.jsonl")
@@ -166,10 +166,10 @@ def test_a_recording_of_it_is_replayed_alike(tmp_path: Path, capsys: pytest.Capt
 # ---- never unasked ----
 
 
-def test_it_is_said_wherever_results_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_it_is_said_wherever_results_are(tmp_path: Path, run_vista: Vista) -> None:
     source_cases.record_flight(tmp_path / "flight", frames=5)
     run = ("run", tmp_path / "flight", "--no-overlay", "--out")
-    status, out, err = call(capsys, *run, tmp_path / "out", "--poses", "odometry")
+    status, out, err = run_vista(*run, tmp_path / "out", "--poses", "odometry")
     assert (status, err) == (0, "")
     note = "poses are estimated from the images (--poses odometry): they drift, and may be wrong"
     assert f"flight: note: {note}" in out
@@ -181,31 +181,29 @@ def test_it_is_said_wherever_results_are(tmp_path: Path, capsys: pytest.CaptureF
     assert lines[-1]["motion"] == "known"
 
     (tmp_path / "flight/mav0/state_groundtruth_estimate0/data.csv").unlink()
-    status, out, _ = call(capsys, *run, tmp_path / "without")
+    status, out, _ = run_vista(*run, tmp_path / "without")
     assert status == 0 and note not in out
     lines = [json.loads(line) for line in (tmp_path / "without/obstacles.jsonl").read_text().splitlines()]
     assert {line["motion"] for line in lines} == {"unknown"}
 
 
-def test_live_says_it_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_live_says_it_too(tmp_path: Path, run_vista: Vista) -> None:
     source_cases.record_flight(tmp_path / "flight", frames=3)
     lines = tmp_path / "lines.jsonl"
-    status, _, err = call(
-        capsys, "live", tmp_path / "flight", "--no-page", "--out", lines, "--poses", "odometry"
+    status, _, err = run_vista(
+        "live", tmp_path / "flight", "--no-page", "--out", lines, "--poses", "odometry"
     )
     assert status == 0
     assert err.startswith("flight: note: poses are estimated from the images (--poses odometry): they drift")
 
 
-def test_where_it_makes_no_sense(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_where_it_makes_no_sense(tmp_path: Path, run_vista: Vista) -> None:
     stills = cases.make_board_scenes(tmp_path / "stills", 2, stills=True)
     pairs = cases.make_board_scenes(tmp_path / "pairs", 2, stills=False)
     run = ("--poses", "odometry", "--out", tmp_path / "out")
-    assert_refused(call(capsys, "run", pairs, *run), "times.csv: no such file: odometry needs the times")
+    assert_refused(run_vista("run", pairs, *run), "times.csv: no such file: odometry needs the times")
     (stills / "times.csv").write_text("name,t_s\nscene00,0\nscene01,1\n")
-    assert_refused(
-        call(capsys, "run", stills, *run), f"--poses: does not go with {stills}, which shows unrel"
-    )
+    assert_refused(run_vista("run", stills, *run), f"--poses: does not go with {stills}, which shows unrel")
     assert not (tmp_path / "out").exists()
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import source_cases as cases
 from bag_cases import write_bag
-from command_line import call, lines_without_times
+from command_line import Vista, lines_without_times
 from shared_data import SHARED_DATA
 from source_cases import Recording
 from vista.sequence import Sequence, open_sequence
@@ -37,7 +37,7 @@ WRITERS: dict[str, Callable[[Path, Recording], Path]] = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", RECORDINGS)
-def test_real_recordings(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_real_recordings(tmp_path: Path, run_vista: Vista, name: str) -> None:
     folder = SHARED_DATA / RECORDINGS[name]
     if not folder.is_dir():
         pytest.skip(f"{folder} is not there")
@@ -46,7 +46,7 @@ def test_real_recordings(tmp_path: Path, capsys: pytest.CaptureFixture[str], nam
 
     def run(source: Path, *options: object) -> list[str]:
         out = tmp_path / "out" / source.parent.name
-        status, _, err = call(capsys, "run", source, "--out", out, "--no-overlay", "--poses", poses, *options)
+        status, _, err = run_vista("run", source, "--out", out, "--no-overlay", "--poses", poses, *options)
         assert status == 0, err
         return lines_without_times(out)
 

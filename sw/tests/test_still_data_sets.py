@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sequence_cases as cases
-from command_line import assert_refused, call
+from command_line import Vista, assert_refused
 from sequence_cases import Damage, edit, remove
 from vista import StereoEngine
 from vista.errors import InputError
@@ -62,16 +62,16 @@ def test_kitti_stereo(tmp_path: Path, year: int) -> None:
     )
 
 
-def test_frames_choose_the_calibration(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_frames_choose_the_calibration(tmp_path: Path, run_vista: Vista) -> None:
     folder = make_kitti(tmp_path / "training", 2012)
     sequence = open_sequence(folder, Options(first_frame=3))
     assert [files.index for files in sequence.frames] == [3]
     assert Rectifier(sequence.calibration).calibration.cx == CX + 1
     run = ("run", folder, "--no-overlay", "--out", tmp_path / "out")
-    assert call(capsys, *run, "--frames", "3:")[0] == 0
+    assert run_vista(*run, "--frames", "3:")[0] == 0
     assert len((tmp_path / "out" / "obstacles.jsonl").read_text().splitlines()) == 1
     message = "--frames: selects none; the folder has frames 0 to 3"
-    assert_refused(call(capsys, *run, "--frames", "4:"), message)
+    assert_refused(run_vista(*run, "--frames", "4:"), message)
 
 
 def test_one_calibration_for_all(tmp_path: Path) -> None:
@@ -180,7 +180,7 @@ def test_damaged_middlebury(tmp_path: Path, name: str) -> None:
         open_sequence(folder)
 
 
-def test_stills_have_no_poses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_stills_have_no_poses(tmp_path: Path, run_vista: Vista) -> None:
     folder = make_middlebury(tmp_path / "scene")
-    outcome = call(capsys, "run", folder, "--out", tmp_path / "out", "--poses", tmp_path / "poses.txt")
+    outcome = run_vista("run", folder, "--out", tmp_path / "out", "--poses", tmp_path / "poses.txt")
     assert_refused(outcome, f"--poses: does not go with {folder}, which shows unrelated scenes")

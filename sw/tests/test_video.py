@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 import sequence_cases as cases
-from command_line import assert_refused, call
+from command_line import Vista, assert_refused
 from numpy.typing import NDArray
 from random_seed import seeded
 from source_cases import write_video
@@ -138,24 +138,24 @@ DAMAGES: dict[str, tuple[str, Damage, str]] = {
 
 
 @pytest.mark.parametrize("name", DAMAGES)
-def test_damaged_videos(folder: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_damaged_videos(folder: Path, run_vista: Vista, name: str) -> None:
     file, damage, message = DAMAGES[name]
     codec = cv2.VideoWriter_fourcc(*("mp4v" if file.endswith("mp4") else "FFV1"))
     path = write_video(folder / file, both(), RATE_HZ, codec)
     damage(path)
-    assert_refused(call(capsys, "run", path, "--out", folder / "out"), f"{path}: {message}")
+    assert_refused(run_vista("run", path, "--out", folder / "out"), f"{path}: {message}")
     assert not (folder / "out").exists()
 
 
-def test_an_unknown_codec(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_codec(folder: Path, run_vista: Vista) -> None:
     path = write_video(folder / "video.avi", both(), RATE_HZ)
     data = path.read_bytes()
     assert data.count(b"FFV1") >= 2
     path.write_bytes(data.replace(b"FFV1", b"QQQQ"))
-    assert_refused(call(capsys, "run", path, "--out", folder / "out"), f"{path}: {UNREADABLE}")
+    assert_refused(run_vista("run", path, "--out", folder / "out"), f"{path}: {UNREADABLE}")
 
 
-def test_a_frame_that_cannot_be_decoded(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_frame_that_cannot_be_decoded(folder: Path, run_vista: Vista) -> None:
     """The index is whole, so this shows only when the frame is read; what was written before stays."""
     path = write_video(folder / "video.avi", both(), RATE_HZ, cv2.VideoWriter_fourcc(*"MJPG"))
     data = bytearray(path.read_bytes())
@@ -163,22 +163,22 @@ def test_a_frame_that_cannot_be_decoded(folder: Path, capsys: pytest.CaptureFixt
     start, end = chunks[5] + 8, chunks[6]
     data[start:end] = bytes(end - start)
     path.write_bytes(data)
-    status, _, err = call(capsys, "run", path, "--out", folder / "out", "--no-overlay")
+    status, _, err = run_vista("run", path, "--out", folder / "out", "--no-overlay")
     assert status == 2
     assert f"vista: {path}: frame 5 of 8 cannot be decoded: damaged or truncated\n" in err
     assert len((folder / "out" / "obstacles.jsonl").read_text().splitlines()) == 5
 
 
-def test_two_videos_that_do_not_fit(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_videos_that_do_not_fit(folder: Path, run_vista: Vista) -> None:
     left = write_video(folder / "left.mkv", images(0), RATE_HZ)
     small = write_video(folder / "small.mkv", [image[:, :100] for image in images(1)], RATE_HZ)
     run = ("run", left, "--out", folder / "out")
     assert_refused(
-        call(capsys, *run, "--right", small),
+        run_vista(*run, "--right", small),
         f"{small}: the left and the right video differ in size, 160x120 and 100x120",
     )
-    assert_refused(call(capsys, *run, "--right", folder / "no.mkv"), "no.mkv: no such file or directory")
-    assert_refused(call(capsys, *run, "--right", small, "--split", "top-bottom"), "--split: does not go with")
+    assert_refused(run_vista(*run, "--right", folder / "no.mkv"), "no.mkv: no such file or directory")
+    assert_refused(run_vista(*run, "--right", small, "--split", "top-bottom"), "--split: does not go with")
 
 
 OPTIONS = {
@@ -191,10 +191,10 @@ OPTIONS = {
 
 
 @pytest.mark.parametrize("name", OPTIONS)
-def test_options_that_do_not_fit(folder: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_options_that_do_not_fit(folder: Path, run_vista: Vista, name: str) -> None:
     path = write_video(folder / "video.mkv", both(), RATE_HZ)
     given, message = OPTIONS[name]
-    assert_refused(call(capsys, "run", path, "--out", folder / "out", *given), message)
+    assert_refused(run_vista("run", path, "--out", folder / "out", *given), message)
 
 
 def test_an_odd_width_has_no_halves(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -205,11 +205,11 @@ def test_an_odd_width_has_no_halves(folder: Path, monkeypatch: pytest.MonkeyPatc
         open_sequence(path)
 
 
-def test_options_of_other_sources(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_options_of_other_sources(tmp_path: Path, run_vista: Vista) -> None:
     """What a layout does not know is refused, not ignored."""
     folder = cases.make_kitti(tmp_path)
     for option in (("--rate", "10"), ("--split", "top-bottom"), ("--pair-tolerance-ms", "2")):
-        outcome = call(capsys, "run", folder, "--out", tmp_path / "out", *option)
+        outcome = run_vista("run", folder, "--out", tmp_path / "out", *option)
         assert_refused(outcome, f"{option[0]}: does not go with this source, whose layout is KITTI odometry")
 
 
