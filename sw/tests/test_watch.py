@@ -170,7 +170,7 @@ def test_nothing_is_said_of_a_flight_without_fault() -> None:
 
 
 def test_nothing_is_said_of_a_camera_that_stands_still() -> None:
-    """Without noise it even shows the same image again and again."""
+    """Such a camera even shows the same image again and again where there is no noise."""
 
     def still(k: int) -> Given:
         return replace(FLIGHT[0], t_ns=k * PERIOD_NS)
