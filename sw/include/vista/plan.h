@@ -14,7 +14,8 @@
  * after it an escape, which ends in a stop (multirotor) or in a circle (fixed wing). It is taken only if all of it, the
  * escape included, lies in space that the last frames have seen to be free, as wide as obstacle_map.collision_radius_m
  * and twice the error of the position. So whoever hears no further decision is safe if he flies on by vista_plan_at.
- * Where no manoeuvre passes, the escape of the decision before is flown.
+ * Where no manoeuvre passes, the escape of the decision before is flown. The circle of a fixed wing leads out of what its
+ * camera sees: what no frame has in view counts as free there unless something is known to be in it (escape_seen).
  *
  * World, metres and poses are those of the detector. What is decided depends on the calls alone, not on a clock. */
 #ifndef VISTA_PLAN_H
@@ -59,7 +60,7 @@ typedef enum vista_plan_action {
   VISTA_PLAN_ESCAPES,      /* no manoeuvre passes: the escape that was committed to is flown */
   VISTA_PLAN_HOLDS,        /* stands or circles, and turns to where a way may be */
   VISTA_PLAN_ARRIVED,      /* at the goal */
-  VISTA_PLAN_HELPLESS,     /* something is in the way of the escape as well: what leads past it longest is flown */
+  VISTA_PLAN_HELPLESS, /* something is in the way of the escape as well: it is flown, or what is free for longer */
   VISTA_PLAN_ACTION_COUNT
 } vista_plan_action;
 
@@ -73,7 +74,7 @@ typedef enum vista_plan_primitive {
   VISTA_PLAN_CLIMB,
   VISTA_PLAN_DESCENT,
   VISTA_PLAN_STOP,
-  VISTA_PLAN_LOITER, /* a circle that is flown until something passes */
+  VISTA_PLAN_LOITER, /* a circle: what a fixed wing does in place of a stop */
   VISTA_PLAN_PRIMITIVE_COUNT
 } vista_plan_primitive;
 
@@ -83,11 +84,11 @@ VISTA_API const char *vista_plan_primitive_name(vista_plan_primitive primitive);
 /* What became of an option. */
 typedef enum vista_plan_ruling {
   VISTA_PLAN_CHOSEN = 0,
-  VISTA_PLAN_NOT_ASKED,   /* a better one passes, or as many as are asked in a frame were ruled out */
+  VISTA_PLAN_NOT_ASKED, /* a better one passes, or as many as are asked in a frame were ruled out */
   VISTA_PLAN_BY_OBSTACLE, /* one of the list, obstacle_id */
-  VISTA_PLAN_BY_PLACE,    /* something is matched there in the last frames, and no obstacle stands for it */
-  VISTA_PLAN_BY_UNKNOWN,  /* nobody has seen whether it is free there */
-  VISTA_PLAN_BY_VIEW,     /* none of the last frames has it in view */
+  VISTA_PLAN_BY_PLACE, /* something is matched there in the last frames, and no obstacle stands for it */
+  VISTA_PLAN_BY_UNKNOWN, /* nobody has seen whether it is free there */
+  VISTA_PLAN_BY_VIEW, /* none of the last frames has it in view */
   VISTA_PLAN_BY_DYNAMICS, /* the vehicle cannot fly it */
   VISTA_PLAN_RULING_COUNT
 } vista_plan_ruling;
@@ -122,7 +123,7 @@ typedef struct vista_plan_decision {
   vista_plan_setpoint setpoint; /* vista_plan_at a tenth of a second after t_ns */
   int32_t chosen; /* the option that is flown; -1: an escape or a stop that was committed to before */
   double escape_s; /* after so long, the escape begins */
-  double speed_m_s; /* that the manoeuvre leads to */
+  bool escape_seen; /* all of the escape was seen to be free; false: a part of the circle was in no view */
   double step_s; /* from one point to the next */
   int32_t point_count, circle_from; /* the points from there on are a circle that is flown on; -1: it ends in a stop */
   vista_plan_setpoint points[VISTA_PLAN_MOST_POINTS]; /* the first one at t_ns */

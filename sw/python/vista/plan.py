@@ -80,7 +80,7 @@ class Decision(Struct):
     setpoint: Setpoint
     chosen: int
     escape_s: float
-    speed_m_s: float
+    escape_seen: bool
     step_s: float
     point_count: int
     circle_from: int

@@ -73,7 +73,7 @@ vista_plan_aim vista_plan_aim_at(const vista_planner *planner, const vista_plan_
   for (int i = 0; i < 3; ++i) to_aim[i] = aim.point_m[i] - state->position_m[i];
   if (!vista_plan_level(state->up, to_aim, aim.level)) (void)vista_plan_level(state->up, state->heading, aim.level);
   aim.speed_m_s = goal->speed_m_s;
-  if (!goal->passed) {
+  if (!goal->passed && planner->params.vehicle == VISTA_PLAN_VEHICLE_MULTIROTOR) {
     const double most_m_s = sqrt(2.0 * ARRIVE_SHARE * planner->params.acceleration_max_m_s2 * aim.distance_m);
     aim.speed_m_s = fmin(aim.speed_m_s, fmin(most_m_s, aim.distance_m / ARRIVE_S));
   }
@@ -120,14 +120,26 @@ static bool ask_columns(const vista_plan_space *space, double angle_deg, double 
     if (d->blocked_m[k] > 0.0f || d->free_m[k] >= found->free_m) continue;
     *found = (freedom){.free_m = d->free_m[k], .ends = VISTA_PLAN_BY_UNKNOWN};
   }
-  for (int32_t k = 0; k < VISTA_DIRECTIONS; ++k) {
-    if (!(d->blocked_m[k] > 0.0f)) continue;
-    const double off = (VISTA_DIRECTIONS_FIRST_DEG + k + 0.5 - angle_deg) * VISTA_RADIANS_PER_DEGREE;
-    const double along_m = d->blocked_m[k] * cos(off);
-    if (along_m > 0.0 && along_m < found->free_m && fabs(d->blocked_m[k] * sin(off)) < WIDE_SHARE * space->radius_m)
+  const double c = cos(angle_deg * VISTA_RADIANS_PER_DEGREE), s = sin(angle_deg * VISTA_RADIANS_PER_DEGREE);
+  for (int32_t k = 0; k < space->blocked_count; ++k) {
+    const double *const at_m = space->blocked_m[k];
+    const double along_m = c * at_m[0] + s * at_m[1], aside_m = c * at_m[1] - s * at_m[0];
+    if (along_m > 0.0 && along_m < found->free_m && fabs(aside_m) < WIDE_SHARE * space->radius_m)
       *found = (freedom){.free_m = along_m, .ends = VISTA_PLAN_BY_PLACE};
   }
   return true;
+}
+
+void vista_plan_take_directions(vista_plan_space *space, const vista_directions *directions) {
+  space->directions = *directions;
+  space->blocked_count = 0;
+  for (int32_t k = 0; k < VISTA_DIRECTIONS; ++k) {
+    if (!(directions->blocked_m[k] > 0.0f)) continue;
+    const double azimuth = (VISTA_DIRECTIONS_FIRST_DEG + k + 0.5) * VISTA_RADIANS_PER_DEGREE;
+    double *const at_m = space->blocked_m[space->blocked_count++];
+    at_m[0] = directions->blocked_m[k] * cos(azimuth);
+    at_m[1] = directions->blocked_m[k] * sin(azimuth);
+  }
 }
 
 /* Axes of the sectors: any level ones that depend on `up` alone. */
@@ -257,7 +269,8 @@ static double ends_s(vista_plan_ruling ruling) {
 /* The manoeuvres of one direction: at each speed. */
 static void add_speeds(const list *l, const double level[3], int32_t side, double share, const freedom *ahead) {
   const vista_planner *const p = l->planner;
-  for (int k = 0; k < SPEEDS; ++k) {
+  const int count = p->params.vehicle == VISTA_PLAN_VEHICLE_FIXED_WING ? 1 : SPEEDS;
+  for (int k = 0; k < count; ++k) {
     const double speed_m_s = speeds[k] * l->aim->speed_m_s;
     const double most_m_s = p->params.climb_max_m_s;
     const double rise_m_s =
@@ -316,5 +329,6 @@ void vista_plan_list(const vista_planner *planner, vista_plan_space *space, cons
   for (int angle = 0; angle < ANGLES; ++angle)
     for (int side = -1; side <= 1; side += 2)
       if (angle > 0 || side > 0) add_direction(&l, angle, angle > 0 ? side : 0);
-  add(&l, (vista_plan_option){.primitive = VISTA_PLAN_STOP, .cost_s = STOP_S});
+  const bool circles = planner->params.vehicle == VISTA_PLAN_VEHICLE_FIXED_WING;
+  add(&l, (vista_plan_option){.primitive = circles ? VISTA_PLAN_LOITER : VISTA_PLAN_STOP, .cost_s = STOP_S});
 }

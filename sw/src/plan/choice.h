@@ -23,6 +23,9 @@ typedef struct vista_plan_aim {
 vista_plan_aim vista_plan_aim_at(const vista_planner *planner, const vista_plan_state *state,
                                  const vista_plan_goal *goal);
 
+/* Takes over what the columns of the frame say. */
+void vista_plan_take_directions(vista_plan_space *space, const vista_directions *directions);
+
 /* Keeps what the frame shows of each direction, for when it is out of view. */
 void vista_plan_remember(vista_planner *planner, const vista_plan_space *space, const vista_plan_state *state);
 

@@ -12,7 +12,8 @@
 
 #define SIGMAS 2.0 /* of the position's error, by which the vehicle is wider */
 #define STILL_M_S 0.5
-#define ARRIVED_M 0.5
+#define ARRIVED_M 0.5 /* of a multirotor, from the goal; */
+#define ARRIVED_S 2.0 /* of a fixed wing, which has to be nearer than so long a flight */
 #define TRAIL_SHARE 0.25 /* of the radius, from one place of the trail to the next */
 #define OFF_SHARE 0.5 /* of the radius: a vehicle that is farther off its plan does not fly it */
 #define OFF_M_S 2.0
@@ -72,24 +73,42 @@ typedef struct work {
   vista_plan_space space;
   const vista_plan_state *state;
   vista_plan_aim aim;
+  bool arrived;
   vista_plan_decision *decision;
 } work;
 
-/* The trajectory of an option, in the points of the decision. */
-static bool fly(const work *w, const vista_plan_option *option) {
+static bool circles(const work *w) { return w->planner->params.vehicle == VISTA_PLAN_VEHICLE_FIXED_WING; }
+
+/* The trajectory of an option, in the points of the decision. side: of the circle of a fixed wing. */
+static bool fly(const work *w, const vista_plan_option *option, int32_t side) {
   double velocity_m_s[3];
   vista_plan_velocity(option, velocity_m_s);
-  return vista_plan_multirotor(&w->planner->params, w->state, velocity_m_s, w->decision);
+  if (!circles(w)) return vista_plan_multirotor(&w->planner->params, w->state, velocity_m_s, w->decision);
+  vista_plan_turning turning = {.side = side, .climb_m_s = vista_dot(w->state->up, velocity_m_s)};
+  turning.at_once = !vista_plan_level(w->state->up, option->direction, turning.level);
+  return vista_plan_fixed_wing(&w->planner->params, w->state, &turning, w->decision);
+}
+
+/* The side to which the circle is tried first: on with the turn. */
+static int32_t circle_side(const work *w, const vista_plan_option *option) {
+  double left[3];
+  vista_cross(w->state->up, w->aim.level, left);
+  const double aside = vista_dot(left, option->direction);
+  return fabs(aside) > SIDE_MIN ? (aside > 0.0 ? 1 : -1) : w->planner->side != 0 ? w->planner->side : 1;
 }
 
 static bool passes(work *w, vista_plan_option *option) {
-  if (!fly(w, option)) {
-    option->ruling = VISTA_PLAN_BY_DYNAMICS;
-    return false;
+  const int32_t side = circle_side(w, option);
+  for (int32_t k = 0; k < (circles(w) ? 2 : 1); ++k) {
+    if (!fly(w, option, k == 0 ? side : -side)) {
+      option->ruling = VISTA_PLAN_BY_DYNAMICS;
+      return false;
+    }
+    if (!vista_plan_check(&w->space, w->decision, false, option)) continue;
+    option->ruling = VISTA_PLAN_CHOSEN;
+    return true;
   }
-  if (!vista_plan_check(&w->space, w->decision, false, option)) return false;
-  option->ruling = VISTA_PLAN_CHOSEN;
-  return true;
+  return false;
 }
 
 static int32_t first_that_passes(work *w) {
@@ -103,12 +122,13 @@ static bool fly_on(const work *w) {
   const vista_plan_decision *const plan = &w->planner->plan;
   vista_plan_decision *const d = w->decision;
   if (!w->planner->committed) return false;
-  const double after_s = vista_seconds_between(plan->t_ns, w->state->t_ns);
+  const double after_s = vista_seconds_between(plan->t_ns, w->state->t_ns), done = after_s / plan->step_s;
+  const double last = plan->point_count - 1, circle = plan->circle_from >= 0 ? last - plan->circle_from : 0.0;
+  const double left = fmax(ceil(last - circle - done - 1e-6), 0.0); /* steps before the circle or the stop */
   d->step_s = plan->step_s;
   d->escape_s = fmax(plan->escape_s - after_s, 0.0);
-  d->circle_from = -1;
-  const double left_s = plan->step_s * (plan->point_count - 1) - after_s;
-  d->point_count = (int32_t)fmax(ceil(left_s / plan->step_s - 1e-6), 0.0) + 1;
+  d->circle_from = plan->circle_from >= 0 ? (int32_t)left : -1;
+  d->point_count = (int32_t)(left + circle) + 1;
   for (int32_t k = 0; k < d->point_count; ++k) vista_plan_at(plan, after_s + k * plan->step_s, &d->points[k]);
   double off_m[3], off_m_s[3];
   for (int i = 0; i < 3; ++i) {
@@ -120,18 +140,15 @@ static bool fly_on(const work *w) {
 
 static const vista_plan_option stop = {.primitive = VISTA_PLAN_STOP};
 
-/* The manoeuvre that something is in the way of last. */
-static int32_t least_bad(work *w) {
+/* The manoeuvre that is free for longest, if that is longer than so long; -1: none. */
+static int32_t free_longest(work *w, double best_s) {
   int32_t best = -1;
-  double best_s = -1.0;
-  const int32_t count = w->decision->option_count;
-  for (int32_t k = 0; k < count && k < HELPLESS_MOST; ++k) {
-    vista_plan_option found = w->decision->options[k < HELPLESS_MOST - 1 ? k : count - 1];
-    found.after_s = INFINITY;
-    if (!fly(w, &found)) continue;
-    (void)vista_plan_check(&w->space, w->decision, true, &found);
+  for (int32_t k = 0; k < w->decision->option_count && k < HELPLESS_MOST; ++k) {
+    vista_plan_option found = w->decision->options[k];
+    if (!fly(w, &found, circle_side(w, &found))) continue;
+    (void)vista_plan_check(&w->space, w->decision, false, &found);
     if (!(found.after_s > best_s)) continue;
-    best = k < HELPLESS_MOST - 1 ? k : count - 1;
+    best = k;
     best_s = found.after_s;
   }
   return best;
@@ -181,39 +198,47 @@ static void commit(const work *w) {
   const vista_plan_decision *const d = w->decision;
   memset(p->wanted, 0, sizeof p->wanted);
   if (d->chosen >= 0) vista_plan_velocity(&d->options[d->chosen], p->wanted);
-  if (d->action == VISTA_PLAN_ESCAPES) return;
+  if (d->chosen < 0) return;
   p->plan = *d;
   p->committed = true;
 }
 
-static bool stands(const vista_plan_state *state) { return vista_norm(state->velocity_m_s) < STILL_M_S; }
+static bool stands(const work *w) { return !circles(w) && vista_norm(w->state->velocity_m_s) < STILL_M_S; }
 
 static vista_plan_action action_of(const work *w) {
   const vista_plan_option *const chosen = &w->decision->options[w->decision->chosen];
-  if (chosen->primitive == VISTA_PLAN_STOP)
-    return w->aim.distance_m < ARRIVED_M ? VISTA_PLAN_ARRIVED : VISTA_PLAN_HOLDS;
+  if (chosen->primitive == VISTA_PLAN_STOP || chosen->primitive == VISTA_PLAN_LOITER)
+    return w->arrived ? VISTA_PLAN_ARRIVED : VISTA_PLAN_HOLDS;
   const bool whole = chosen->primitive == VISTA_PLAN_STRAIGHT && chosen->speed_m_s >= 0.99 * w->aim.speed_m_s;
   return whole ? VISTA_PLAN_PROCEEDS : VISTA_PLAN_EVADES;
 }
 
-/* No manoeuvre passes. */
+/* Flies what was committed to, or brakes. */
+static void end_plan(work *w) {
+  if (!fly_on(w)) (void)fly(w, &stop, circle_side(w, &stop));
+}
+
+/* No manoeuvre passes. What is in the way of the escape as well may yet be met later on another way. */
 static void escape(work *w) {
   vista_plan_decision *const d = w->decision;
   vista_plan_option found = stop;
-  const bool has_plan = fly_on(w);
-  if (!has_plan) (void)fly(w, &stop);
-  d->action = stands(w->state) ? VISTA_PLAN_HOLDS : VISTA_PLAN_ESCAPES;
-  if (stands(w->state) || vista_plan_check(&w->space, d, true, &found)) return;
+  end_plan(w);
+  d->action = stands(w) ? VISTA_PLAN_HOLDS : VISTA_PLAN_ESCAPES;
+  if (stands(w) || vista_plan_check(&w->space, d, true, &found)) return;
   d->action = VISTA_PLAN_HELPLESS;
-  d->chosen = least_bad(w);
-  if (d->chosen >= 0) (void)fly(w, &d->options[d->chosen]);
+  d->chosen = free_longest(w, found.after_s);
+  if (d->chosen < 0)
+    end_plan(w);
+  else
+    (void)fly(w, &d->options[d->chosen], circle_side(w, &d->options[d->chosen]));
 }
 
 static void decide(work *w) {
   vista_plan_decision *const d = w->decision;
   vista_plan_list(w->planner, &w->space, w->state, &w->aim, d);
-  if (w->aim.distance_m < ARRIVED_M) { /* a stop is all that is wanted */
+  if (w->arrived) { /* a stop or a circle is all that is wanted */
     d->options[0] = stop;
+    if (circles(w)) d->options[0].primitive = VISTA_PLAN_LOITER;
     d->option_count = 1;
   }
   d->chosen = first_that_passes(w);
@@ -223,7 +248,7 @@ static void decide(work *w) {
     escape(w);
   double heading[3];
   look_for(w, heading);
-  vista_plan_turn(w->state, heading, d);
+  if (!circles(w)) vista_plan_turn(w->state, heading, d);
   d->looks = w->space.looks;
   vista_plan_at(d, VISTA_PLAN_AHEAD_S, &d->setpoint);
   keep_side(w);
@@ -244,11 +269,12 @@ vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipelin
   decision->chosen = -1;
   work w = {.planner = planner, .state = state, .decision = decision};
   w.space.seen = *seen;
-  w.space.directions = *directions;
+  vista_plan_take_directions(&w.space, directions);
   w.space.planner = planner;
   w.space.radius_m = planner->radius_m + SIGMAS * state->position_sigma_m;
   w.space.late_s = fmax(vista_seconds_between(seen->frame->t_ns, state->t_ns), 0.0);
   w.aim = vista_plan_aim_at(planner, state, goal);
+  w.arrived = !goal->passed && w.aim.distance_m < (circles(&w) ? ARRIVED_S * goal->speed_m_s : ARRIVED_M);
   vista_plan_remember(planner, &w.space, state);
   decide(&w);
   return VISTA_OK;

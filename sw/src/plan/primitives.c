@@ -12,6 +12,14 @@
 #define UPRIGHT_SHARE 0.6 /* of the acceleration, that is there for climbs and descents */
 #define STILL_M_S 0.1
 #define YAW_RAD_S 1.2
+#define WING_STEP_S 0.25
+#define WING_COMMIT_S 0.75 /* to roll takes longer than to lean */
+#define WING_SLOWEST_M_S 3.0 /* below it, there is no turn to fly */
+#define TURN_RAD 6.283185307179586
+#define GRAVITY_M_S2 9.80665
+#define ROLL_RAD_S 1.0
+#define BANK_PER_SINE 2.0 /* radians of bank for the sine of the angle to the direction that it turns to */
+#define CLIMB_M_S2 2.0
 #define LEVEL_MIN 0.01 /* of a direction, that a level part needs */
 
 bool vista_plan_level(const double up[3], const double vector[3], double level[3]) {
@@ -104,4 +112,94 @@ void vista_plan_turn(const vista_plan_state *state, const double towards[3], vis
     yaw(state->up, towards, plan->step_s, &now);
     plan->points[k].yaw_rate_rad_s = now.yaw_rate_rad_s;
   }
+}
+
+/* ---- a fixed wing ---- */
+
+typedef struct wing {
+  const double *up;
+  double speed_m_s, most_rad; /* level; of the bank */
+  double bank_rad, climb_m_s; /* to the left positive */
+  double level[3];            /* of the flight */
+  vista_plan_setpoint now;
+} wing;
+
+static void left_of(const wing *w, double left[3]) { vista_cross(w->up, w->level, left); }
+
+/* Turns the direction of flight by an angle, and flies a step along the chord. */
+static void turn_by(wing *w, double angle_rad, double dt_s) {
+  double left[3], before[3];
+  left_of(w, left);
+  memcpy(before, w->level, sizeof before);
+  const double c = cos(angle_rad), s = sin(angle_rad);
+  for (int i = 0; i < 3; ++i) w->level[i] = c * w->level[i] + s * left[i];
+  left_of(w, left);
+  for (int i = 0; i < 3; ++i) {
+    w->now.position_m[i] += (0.5 * w->speed_m_s * (before[i] + w->level[i]) + w->climb_m_s * w->up[i]) * dt_s;
+    w->now.velocity_m_s[i] = w->speed_m_s * w->level[i] + w->climb_m_s * w->up[i];
+    w->now.acceleration_m_s2[i] = w->speed_m_s * angle_rad / dt_s * left[i];
+    w->now.heading[i] = w->level[i];
+  }
+  w->now.yaw_rate_rad_s = angle_rad / dt_s;
+}
+
+static double within(double value, double most) { return fmin(fmax(value, -most), most); }
+
+static void bank(wing *w, double wanted_rad, double climb_m_s, double dt_s) {
+  w->bank_rad += within(within(wanted_rad, w->most_rad) - w->bank_rad, ROLL_RAD_S * dt_s);
+  w->climb_m_s += within(climb_m_s - w->climb_m_s, CLIMB_M_S2 * dt_s);
+  turn_by(w, GRAVITY_M_S2 * tan(w->bank_rad) / w->speed_m_s * dt_s, dt_s);
+}
+
+static bool begin_wing(const vista_plan_params *params, const vista_plan_state *state, wing *w) {
+  double left[3];
+  *w = (wing){.up = state->up, .most_rad = params->bank_max_deg * VISTA_RADIANS_PER_DEGREE};
+  if (!vista_plan_level(state->up, state->velocity_m_s, w->level)) return false;
+  w->speed_m_s = vista_dot(w->level, state->velocity_m_s);
+  w->climb_m_s = vista_dot(state->up, state->velocity_m_s);
+  left_of(w, left);
+  w->bank_rad = within(atan(vista_dot(left, state->acceleration_m_s2) / GRAVITY_M_S2), w->most_rad);
+  memcpy(w->now.position_m, state->position_m, sizeof w->now.position_m);
+  memcpy(w->now.velocity_m_s, state->velocity_m_s, sizeof w->now.velocity_m_s);
+  memcpy(w->now.heading, w->level, sizeof w->level);
+  return w->speed_m_s > WING_SLOWEST_M_S;
+}
+
+/* A circle that ends where it began, in whole steps. */
+static bool circle(wing *w, int32_t side, vista_plan_decision *plan) {
+  const double rate_rad_s = GRAVITY_M_S2 * tan(w->most_rad) / w->speed_m_s;
+  const double steps = ceil(TURN_RAD / (rate_rad_s * WING_STEP_S));
+  plan->circle_from = plan->point_count - 1;
+  if (!(plan->point_count + steps <= VISTA_PLAN_MOST_POINTS)) return false;
+  for (double k = 0.0; k < steps; ++k) {
+    turn_by(w, side * TURN_RAD / steps, WING_STEP_S);
+    plan->points[plan->point_count++] = w->now;
+  }
+  return true;
+}
+
+bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_state *state,
+                           const vista_plan_turning *turning, vista_plan_decision *plan) {
+  wing w;
+  if (!begin_wing(params, state, &w)) return false;
+  plan->step_s = WING_STEP_S;
+  plan->escape_s = turning->at_once ? 0.0 : WING_COMMIT_S;
+  plan->points[0] = w.now;
+  plan->point_count = 1;
+  while (plan->point_count < VISTA_PLAN_MOST_POINTS / 2) {
+    const bool escapes = WING_STEP_S * (plan->point_count - 1) >= plan->escape_s - 0.5 * WING_STEP_S;
+    const double wanted_rad = turning->side * w.most_rad;
+    if (escapes && fabs(w.bank_rad - wanted_rad) < 1e-6 && fabs(w.climb_m_s) < 1e-6)
+      return circle(&w, turning->side, plan);
+    double left[3];
+    left_of(&w, left);
+    const double ahead = vista_dot(w.level, turning->level), aside = vista_dot(left, turning->level);
+    const double sine = ahead > 0.0 ? aside : aside < 0.0 ? -1.0 : 1.0;
+    if (escapes)
+      bank(&w, wanted_rad, 0.0, WING_STEP_S);
+    else
+      bank(&w, BANK_PER_SINE * sine, turning->climb_m_s, WING_STEP_S);
+    plan->points[plan->point_count++] = w.now;
+  }
+  return false;
 }

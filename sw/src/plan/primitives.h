@@ -5,7 +5,7 @@
  * speed slows down, and the wanted velocity of zero stops. After VISTA_PLAN_COMMIT_S each manoeuvre ends in that.
  *
  * A fixed wing flies coordinated turns at its speed, with a limited roll rate and bank. After VISTA_PLAN_COMMIT_S it
- * flies on straight for a while, and then a circle. */
+ * turns into a circle. */
 #ifndef VISTA_PLAN_PRIMITIVES_H
 #define VISTA_PLAN_PRIMITIVES_H
 
@@ -23,6 +23,17 @@ double vista_plan_stop_m(const vista_plan_params *params, double speed_m_s);
  * velocity, and then to a stop. The headings are that of the state. False: it does not come to an end within the points. */
 bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
                            vista_plan_decision *plan);
+
+/* The same of a fixed wing: it turns to a level direction of unit length and climbs at this rate, and then flies a circle to
+ * the left (side 1) or to the right (-1), level. At once: the circle alone. The headings are those of its flight. */
+typedef struct vista_plan_turning {
+  double level[3], climb_m_s;
+  int32_t side;
+  bool at_once;
+} vista_plan_turning;
+
+bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_state *state,
+                           const vista_plan_turning *turning, vista_plan_decision *plan);
 
 /* Turns the heading of all points towards a level direction of unit length, from that of the state on. */
 void vista_plan_turn(const vista_plan_state *state, const double towards[3], vista_plan_decision *plan);

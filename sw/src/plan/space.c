@@ -122,9 +122,10 @@ static double apart_m(const vista_plan_space *space, const double point_m[3]) {
   return fmax(APART_SHARE * space->radius_m, VISTA_PLACE_STEP_SHARE * range_m);
 }
 
-bool vista_plan_check(vista_plan_space *space, const vista_plan_decision *plan, bool occupied_alone,
+bool vista_plan_check(vista_plan_space *space, vista_plan_decision *plan, bool occupied_alone,
                       vista_plan_option *option) {
   double last_m[3], point_m[3];
+  plan->escape_seen = true;
   memcpy(last_m, plan->points[0].position_m, sizeof last_m);
   for (int32_t k = 1; k < plan->point_count; ++k) {
     const double *const from_m = plan->points[k - 1].position_m, *const to_m = plan->points[k].position_m;
@@ -136,7 +137,12 @@ bool vista_plan_check(vista_plan_space *space, const vista_plan_decision *plan, 
       const double after_s = (k - 1 + piece / pieces) * plan->step_s;
       const vista_plan_place place = vista_plan_look(space, point_m, after_s);
       memcpy(last_m, point_m, sizeof last_m);
+      const bool circles = plan->circle_from >= 0 && after_s > plan->escape_s;
       if (place.ruling == VISTA_PLAN_CHOSEN || (occupied_alone && !place.occupied)) continue;
+      if (place.ruling == VISTA_PLAN_BY_VIEW && circles) {
+        plan->escape_seen = false;
+        continue;
+      }
       if (place.own && (!last || option->primitive == VISTA_PLAN_STOP)) continue;
       option->ruling = place.ruling;
       option->obstacle_id = place.obstacle_id;

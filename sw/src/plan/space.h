@@ -34,6 +34,8 @@ typedef struct vista_plan_looked {
 typedef struct vista_plan_space {
   vista_pipeline_stages seen;
   vista_directions directions;
+  int32_t blocked_count;
+  double blocked_m[VISTA_DIRECTIONS][2]; /* what ends a column: ahead of the camera and to its right, level */
   const vista_planner *planner; /* whose trail it is */
   double radius_m; /* of the balls */
   double late_s;   /* from the frame to the state */
@@ -45,8 +47,8 @@ typedef struct vista_plan_space {
 vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s);
 
 /* Looks along the trajectory of an option up to the first place that is not free, where the option gets its ruling.
- * occupied_alone: what is unknown does not count. True: all of it is free. */
-bool vista_plan_check(vista_plan_space *space, const vista_plan_decision *plan, bool occupied_alone,
+ * occupied_alone: what is unknown does not count. True: all of it is free. plan->escape_seen says whether all was seen. */
+bool vista_plan_check(vista_plan_space *space, vista_plan_decision *plan, bool occupied_alone,
                       vista_plan_option *option);
 
 #endif

@@ -8,7 +8,8 @@
 #include "common/numbers.h"
 
 #define SPACING_S 0.08
-#define SAMPLES 20       /* lines of sight across a disc, at most */
+#define SAMPLES 20       /* lines of sight across a disc, at most, */
+#define BALL_SAMPLES 12  /* and across a ball: many of them are asked for */
 #define UPRIGHT_MIN 5.0  /* lines of sight to an upright line, at least, */
 #define UPRIGHT_MAX 12.0 /* and at most in view */
 #define UPRIGHT_MOST 48.0
@@ -16,8 +17,9 @@
 #define FRACTIONS 65536.0
 #define IN_VIEW_MIN 12   /* lines of sight that a frame needs to tell of a place, */
 #define IN_VIEW_SHARE 0.25 /* and of all that lead to it this share */
-#define FIT_SHARE 0.6     /* of its depth: the radius of a ball that fits into the view; */
+#define FIT_SHARE 0.5     /* of its depth: the radius of a ball that fits into the view; */
 #define NEAREST_SHARE 0.5 /* one that is nearer than this share of its radius is beside the camera */
+#define BALL_VIEW_SHARE 0.6 /* of a ball, that has to be in view: what is beside may stand in the rest of it */
 #define TOLERANCE_PX 0.75 /* A word is at the place if it differs by less than this, */
 #define TOLERANCE_SHARE 0.03 /* or by less than this share of the place's disparity. */
 #define VOTE_MIN 3.0     /* A frame votes if so many lines of sight end at the place, */
@@ -125,7 +127,7 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
   disc d = {.u = (camera->center_u_px + scale * c[0]) / e->step_px,
             .v = (camera->center_v_px + scale * c[1]) / e->step_px,
             .reach = scale * radius_m / e->step_px};
-  d.step = fmax(1.0, 2.0 * d.reach / SAMPLES);
+  d.step = fmax(1.0, 2.0 * d.reach / (deep_m > 0.0 ? BALL_SAMPLES : SAMPLES));
   const range at = range_around(camera, c[2], deep_m);
   if (!(d.u + d.reach >= 0.0 && d.u - d.reach < e->width && d.v + d.reach >= 0.0 && d.v - d.reach < e->height))
     return l;
@@ -200,7 +202,8 @@ static vista_place_evidence look(const vista_space_map *map, const double point_
   for (int32_t age = 0; age < map->count; ++age) {
     const vista_evidence *const e = vista_space_map_frame(map, age);
     const looks l = look_through(e, &map->camera, point_m, radius_m, deep_m);
-    if (l.all >= IN_VIEW_MIN && l.all >= IN_VIEW_SHARE * l.asked) take_looks(&found, e, &l, age);
+    if (l.all >= IN_VIEW_MIN && l.all >= (deep_m > 0.0 ? BALL_VIEW_SHARE : IN_VIEW_SHARE) * l.asked)
+      take_looks(&found, e, &l, age);
   }
   return found;
 }
