@@ -18,10 +18,25 @@ from typing import Any
 from pymavlink.generator import mavparse
 
 DIALECT = ("minimal", "common", "ardupilotmega")  # the last includes the others
-RECEIVED = ("ATTITUDE_QUATERNION", "LOCAL_POSITION_NED")
-MESSAGES = ("HEARTBEAT", "COLLISION", "STATUSTEXT", "OBSTACLE_DISTANCE", "OBSTACLE_DISTANCE_3D")
+RECEIVED = ("ATTITUDE_QUATERNION", "LOCAL_POSITION_NED", "HEARTBEAT")
+MESSAGES = (
+    "HEARTBEAT",
+    "COLLISION",
+    "STATUSTEXT",
+    "OBSTACLE_DISTANCE",
+    "OBSTACLE_DISTANCE_3D",
+    "SET_POSITION_TARGET_LOCAL_NED",
+)
 CONSTANTS = [
     "MAV_AUTOPILOT_INVALID",
+    "MAV_AUTOPILOT_PX4",
+    "MAV_AUTOPILOT_ARDUPILOTMEGA",
+    "MAV_FRAME_LOCAL_NED",
+    "MAV_SEVERITY_CRITICAL",
+    "MAV_MODE_FLAG_SAFETY_ARMED",
+    "MAV_TYPE_FIXED_WING",
+    "COPTER_MODE_GUIDED",
+    "PLANE_MODE_GUIDED",
     "MAV_TYPE_ONBOARD_CONTROLLER",
     "MAV_COMP_ID_AUTOPILOT1",
     "MAV_COMP_ID_OBSTACLE_AVOIDANCE",
@@ -138,7 +153,7 @@ def received_text(message: Any) -> str:
         size = 4 if field.type == "float" else BITS[field.type] // 8
         lines.append(f"  m->{field.name} = {get.format(at=at, t=C_TYPE[field.type], n=size)};")
         at += size
-    text = head_lines(message, fields)
+    text = [] if message.name in MESSAGES else head_lines(message, fields)
     text += [
         f"static inline void wire_{name}_unpack(const uint8_t *from, wire_{name} *m) {{",
         *lines,

@@ -96,8 +96,17 @@ def test_a_receiver_that_is_not_there_is_no_matter(
     assert run.returncode == 0 and "messages sent" in run.stderr
 
 
-def fly_poses(flight: Flight, autopilot: Autopilot, ring: SharedFrames, frames: int, offset_ms: int) -> None:
+def fly_poses(
+    flight: Flight,
+    autopilot: Autopilot,
+    ring: SharedFrames,
+    frames: int,
+    offset_ms: int,
+    modes: dict[int, int] | None = None,
+) -> None:
     """Frames without poses at 10 Hz, and what the autopilot says of the same flight, at 50 and 25 Hz.
+
+    modes: the main mode of PX4, by the frame from which on it is in that.
 
     The flight goes on straight: the times of the frames are those of the recording."""
     start_ns = time.monotonic_ns() + 300_000_000
@@ -114,6 +123,9 @@ def fly_poses(flight: Flight, autopilot: Autopilot, ring: SharedFrames, frames: 
         boot_ms = offset_ms + t_ns // 1_000_000
         quaternion = quaternion_from_rotation(rotation)
         autopilot.send(dialect.MAVLink_attitude_quaternion_message(boot_ms % 2**32, *quaternion, 0, 0, 0))
+        if step % 5 == 0 and modes is not None and step // 5 in modes:
+            mode = modes[step // 5] << 16
+            autopilot.send(dialect.MAVLink_heartbeat_message(2, 12, 128, mode, 4, 3))
         if step % 2 == 0:
             autopilot.send(dialect.MAVLink_local_position_ned_message(boot_ms % 2**32, *position, *velocity))
         if step >= 0 and step % 5 == 0:
@@ -146,6 +158,37 @@ def test_poses_come_from_the_autopilot(flight: Flight, autopilot: Autopilot, own
         nearest = line["nearest_collision"]
         assert nearest["time_to_collision_s"] == pytest.approx(nearest["distance_m"] / 10.0, abs=0.1)
         assert line["directions"]["up_camera"] == pytest.approx([0.0, -1.0, 0.0], abs=1e-4)
+
+
+def test_it_flies_to_a_goal_while_the_pilot_lets_it(flight: Flight, autopilot: Autopilot) -> None:
+    """Setpoints come before it is taken over, too: PX4 enters the mode with them alone."""
+    name = ring_name()
+    flight.lines.unlink(missing_ok=True)
+    options = ["--poses", "mavlink", "--to", autopilot.target, "--out", flight.lines]
+    options += ["--goal", "400,0,-10", "--speed", "6"]
+    with shared_ring(name) as ring, flying("--rig", flight.rig, "--shared", name, *options) as process:
+        until(lambda: autopilot.address is not None)
+        fly_poses(flight, autopilot, ring, len(flight.frames), 123_456, modes={4: 6, 12: 3})
+        process.send_signal(signal.SIGTERM)
+        _, err = process.communicate(timeout=30)
+    sent = autopilot.of_kind("SET_POSITION_TARGET_LOCAL_NED")
+    assert len(sent) > 10 * 0.1 * len(flight.frames)
+    flown = np.array([[message.x, message.y, message.z] for _, message in sent])
+    assert np.linalg.norm(np.diff(flown, axis=0), axis=1).max() < 2.0  # 20 a second, at 10 m/s and less
+    assert "taken over 1 times" in err and "decisions took" in err
+
+
+@pytest.mark.parametrize(
+    "options, problem",
+    [
+        (("--goal", "1,2"), "is N,E,D"),
+        (("--goal", "1,2,3x"), "is N,E,D"),
+        (("--goal", "1,2,3"), "needs --poses mavlink"),
+    ],
+)
+def test_a_goal_that_is_none_is_refused(flight: Flight, options: tuple[str, ...], problem: str) -> None:
+    run = fly("--rig", flight.rig, "--shared", "none", *options)
+    assert run.returncode == 2 and problem in run.stderr
 
 
 def test_without_its_poses_motion_is_unknown(flight: Flight, autopilot: Autopilot) -> None:

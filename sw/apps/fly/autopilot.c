@@ -90,6 +90,20 @@ void autopilot_place(autopilot *a, int64_t exposed_ns, double speed_max_m_s, pla
   memcpy(where->up_world, motion.up_world, sizeof where->up_world);
 }
 
+bool autopilot_motion(autopilot *a, int64_t now_ns, vista_vehicle_motion *motion) {
+  (void)pthread_mutex_lock(&a->lock);
+  (void)vista_vehicle_at(&a->vehicle, now_ns, motion);
+  const bool follows = vista_vehicle_follows(&a->vehicle, now_ns);
+  (void)pthread_mutex_unlock(&a->lock);
+  return follows;
+}
+
+void autopilot_fly(autopilot *a, const vista_plan_decision *decision, int64_t state_ns) {
+  (void)pthread_mutex_lock(&a->lock);
+  (void)vista_mavlink_fly(&a->link, decision, state_ns);
+  (void)pthread_mutex_unlock(&a->lock);
+}
+
 void autopilot_stop(autopilot *a) {
   atomic_store(&a->stopped, true);
   if (a->running) (void)pthread_join(a->thread, NULL);

@@ -47,6 +47,12 @@ void autopilot_tell(autopilot *a, const vista_detector_result *found, int64_t ex
 /* Says where the camera was at a moment, as far as the autopilot has said. speed_max_m_s: a faster vehicle has no velocity. */
 void autopilot_place(autopilot *a, int64_t exposed_ns, double speed_max_m_s, placement *where);
 
+/* How the vehicle moves now, as far as the autopilot has said; and whether it flies setpoints. */
+bool autopilot_motion(autopilot *a, int64_t now_ns, vista_vehicle_motion *motion);
+
+/* Hands a decision over whose state was that of this moment. */
+void autopilot_fly(autopilot *a, const vista_plan_decision *decision, int64_t state_ns);
+
 /* Ends the thread. */
 void autopilot_stop(autopilot *a);
 

@@ -57,6 +57,7 @@ bool flight_open(flight *f, const options *o, problem *p) {
   if (o->to != NULL && !autopilot_open(&f->autopilot, o->to, o->listen_port, (int64_t)(o->pose_delay_ms * FLY_MS),
                                        &f->file.parameters.mavlink, p))
     return false;
+  if (o->has_goal && !pilot_open(&f->pilot, &f->file.parameters, o->goal_m, o->speed_m_s, p)) return false;
   return lines_open(&f->lines, o->out, p);
 }
 
@@ -167,6 +168,7 @@ static void process(flight *f, const shot *s) {
   f->aligned = found.alignment;
   f->alignments += found.alignment.changed;
   if (f->options.to != NULL) autopilot_tell(&f->autopilot, &found, s->exposed_ns);
+  if (f->options.has_goal) pilot_decide(&f->pilot, &f->autopilot, f->detector, s->t_ns, s->exposed_ns);
   write_line(f, s, &found);
   ++f->processed;
   vista_latency_add(&f->latency, 1e-6 * (double)(fly_now_ns() - s->exposed_ns));
@@ -237,6 +239,7 @@ void flight_print(flight *f) {
   print_latency("vista-fly", "from the exposure to the result", &f->latency);
   dprintf(STDERR_FILENO, "\n");
   print_alignment(f);
+  if (f->options.has_goal) pilot_print(&f->pilot);
   if (f->options.to == NULL) return;
   print_latency(f->options.to, "from the exposure to the message", &f->autopilot.told);
   dprintf(STDERR_FILENO, "; %" PRId64 " messages sent, %" PRId64 " of them lost\n", f->autopilot.sent,

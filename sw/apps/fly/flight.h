@@ -9,6 +9,7 @@
 #include "lines.h"
 #include "mailbox.h"
 #include "options.h"
+#include "pilot.h"
 #include "source.h"
 #include "times.h"
 #include "vista/detector.h"
@@ -27,6 +28,7 @@ typedef struct flight {
   vista_alignment_result aligned; /* of the newest pair */
   int64_t alignments;             /* how often the correction changed */
   autopilot autopilot; /* with --to */
+  pilot pilot;         /* with --goal */
   guard guard;
   lines lines;
   char line[VISTA_LINE_BYTES];

@@ -22,6 +22,9 @@ const char *const options_help =
     "  --listen PORT          the port of UDP to which the autopilot sends\n"
     "  --poses mavlink        poses are what the autopilot says, not what the source says\n"
     "  --pose-delay-ms MS     what its messages take on their way, at least (default 0)\n"
+    "  --goal N,E,D           fly to this point of the autopilot's local frame, in metres, while it is in the mode\n"
+    "                         OFFBOARD (PX4) or GUIDED (ArduPilot); with --poses mavlink\n"
+    "  --speed M_S            fly there at this speed (default 5)\n"
     "  --pair-tolerance-ms MS how far the pictures of two cameras may lie apart (default 5)\n"
     "  --out FILE             append a line for each frame; - is stdout\n"
     "  --repeat               begin again after the last frame of a recording\n"
@@ -58,6 +61,16 @@ static bool parse_number(const named_number *number, const char *text, problem *
   return true;
 }
 
+static bool take_goal(const char *text, options *o, problem *p) {
+  char *end = NULL;
+  for (int i = 0; i < 3; ++i, text = end + 1) {
+    o->goal_m[i] = strtod(text, &end);
+    if (end == text || *end != (i < 2 ? ',' : '\0') || !(fabs(o->goal_m[i]) <= 1e6))
+      return problem_say(p, "--goal", "is N,E,D in metres");
+  }
+  return o->has_goal = true;
+}
+
 static bool take_devices(int argc, char *const *argv, int *at, options *o, problem *p) {
   o->camera_count = 0;
   while (*at + 1 < argc && argv[*at + 1][0] != '-') {
@@ -77,17 +90,18 @@ static bool take_flag(const char *name, options *o) {
 
 /* The option at *at and its value, which it leaves *at on. */
 static bool take(int argc, char *const *argv, int *at, options *o, double *listen, problem *p) {
-  const char *poses = NULL, *const name = argv[*at];
+  const char *poses = NULL, *goal = NULL, *const name = argv[*at];
   const named_text texts[] = {{"--rig", &o->rig},     {"--recording", &o->recording},
                               {"--times", &o->times}, {"--shared", &o->shared},
                               {"--to", &o->to},       {"--out", &o->out},
-                              {"--poses", &poses}};
+                              {"--goal", &goal},      {"--poses", &poses}};
   const named_number numbers[] = {{"--pose-delay-ms", 0.0, 1000.0, &o->pose_delay_ms},
                                   {"--pair-tolerance-ms", 0.0, 1000.0, &o->pair_tolerance_ms},
                                   {"--watchdog", 0.5, 3600.0, &o->watchdog_s},
                                   {"--frames", 1.0, 1e6, &o->frames},
                                   {"--passes", 1.0, 1e6, &o->passes},
                                   {"--threads", 1.0, 2.0, &o->threads},
+                                  {"--speed", 0.1, 100.0, &o->speed_m_s},
                                   {"--listen", 1.0, 65535.0, listen}};
   if (take_flag(name, o)) return true;
   if (strcmp(name, "--camera") == 0) return take_devices(argc, argv, at, o, p);
@@ -95,6 +109,7 @@ static bool take(int argc, char *const *argv, int *at, options *o, double *liste
     if (strcmp(name, texts[k].name) != 0) continue;
     if (*at + 1 == argc) return problem_say(p, name, "takes a value (see vista-fly --help)");
     *texts[k].target = argv[++*at];
+    if (goal != NULL) return take_goal(goal, o, p);
     if (poses != NULL && strcmp(poses, "mavlink") != 0 && strcmp(poses, "source") != 0)
       return problem_say(p, name, "is mavlink or source, not %s", poses);
     if (poses != NULL) o->poses_from_mavlink = strcmp(poses, "mavlink") == 0;
@@ -129,6 +144,7 @@ static bool check(const options *o, problem *p) {
   if (o->poses_from_mavlink && o->to == NULL) return problem_say(p, "--poses mavlink", "needs --to");
   if (o->poses_from_mavlink && o->all_frames)
     return problem_say(p, "--poses mavlink", "goes with frames of this moment, not with --all-frames");
+  if (o->has_goal && !o->poses_from_mavlink) return problem_say(p, "--goal", "needs --poses mavlink");
   if (o->listen_port > 0 && (o->to == NULL || strncmp(o->to, "udp:", 4) != 0))
     return problem_say(p, "--listen", "goes with --to udp:ADDRESS:PORT");
   return true;
@@ -136,7 +152,7 @@ static bool check(const options *o, problem *p) {
 
 bool options_parse(int argc, char *const *argv, options *o, problem *p) {
   double listen = 0.0;
-  *o = (options){.pair_tolerance_ms = 5.0, .watchdog_s = 3.0};
+  *o = (options){.pair_tolerance_ms = 5.0, .watchdog_s = 3.0, .speed_m_s = 5.0};
   for (int at = 1; at < argc; ++at) {
     if (!take(argc, argv, &at, o, &listen, p)) return false;
     if (o->want != OPTIONS_FLY) return true;

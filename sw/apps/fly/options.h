@@ -15,6 +15,8 @@ typedef struct options {
   const char *rig, *recording, *shared, *camera[2], *to, *out, *times;
   int camera_count;
   bool poses_from_mavlink, repeat, all_frames;
+  bool has_goal;
+  double goal_m[3], speed_m_s; /* NED */
   double pose_delay_ms, pair_tolerance_ms, watchdog_s;
   double passes, frames, threads; /* of a recording: 0 is without end, all, as it says */
   int listen_port;                /* 0: any */

@@ -17,7 +17,12 @@
  * PX4 is sent OBSTACLE_DISTANCE, and is told that all is unknown when the frame is blind or none came for stale_s.
  * ArduPilot is sent OBSTACLE_DISTANCE_3D; it has no word for unknown, and takes silence for it, so distances cease
  * then, except that a blind frame's obstacles are sent on: tracks that are held. Both are sent HEARTBEAT, COLLISION and
- * STATUSTEXT. doc/autopilot.md says more. */
+ * STATUSTEXT. doc/autopilot.md says more.
+ *
+ * With a planner, vista_mavlink_fly hands over each decision. Its trajectory is sent 20 times a second as
+ * SET_POSITION_TARGET_LOCAL_NED, whose world has to be NED (vista/vehicle.h); an autopilot flies it in the modes OFFBOARD
+ * (PX4) and GUIDED (ArduPilot), and does nothing with it in others. Without a further decision the trajectory is sent on
+ * to its end, and its stop for a while; then setpoints cease, and the autopilot does what it is set up to do without. */
 #ifndef VISTA_MAVLINK_H
 #define VISTA_MAVLINK_H
 
@@ -29,6 +34,7 @@
 #include "vista/obstacle.h"
 #include "vista/parameters.h"
 #include "vista/pipeline.h"
+#include "vista/plan.h"
 #include "vista/status.h"
 
 VISTA_BEGIN
@@ -89,6 +95,10 @@ typedef struct vista_mavlink {
   int64_t now_ns, sent_ns, heartbeat_ns, text_ns;
   int32_t burst_next, burst_count, condition_told;
   uint32_t boot_ms; /* of the frame that was last sent to ArduPilot */
+  bool flies, plan_told; /* there is a plan; the pilot was told of its action */
+  int64_t plan_ns, setpoint_ns, plan_text_ns; /* the time of its state; of the last setpoint, and text about it */
+  vista_plan_action action_told;
+  vista_plan_decision plan;
 } vista_mavlink;
 
 /* Begins a link. VISTA_ERROR_RANGE: a parameter, or angle_offset_deg is no multiple of a sector. */
@@ -104,6 +114,10 @@ VISTA_API vista_status vista_mavlink_update(vista_mavlink *link, const vista_mav
  * clock went back, or is below 0. */
 VISTA_API vista_status vista_mavlink_next(vista_mavlink *link, int64_t now_ns, uint8_t *bytes, int32_t capacity,
                                           int32_t *count);
+
+/* Takes over a decision, whose state was that of this time on the clock of vista_mavlink_next; null: setpoints cease.
+ * VISTA_ERROR_RANGE: a negative time. */
+VISTA_API vista_status vista_mavlink_fly(vista_mavlink *link, const vista_plan_decision *decision, int64_t state_ns);
 
 /* Makes a frame of a result of the pipeline: its confirmed obstacles, of which `capacity` have room in `obstacles`,
  * nearest first. t_ns: see vista_mavlink_frame. */

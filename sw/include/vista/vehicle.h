@@ -8,7 +8,7 @@
  *     vista_vehicle_at(&vehicle, exposure_ns, &motion);
  *     frame.pose = motion.pose_known ? &motion.pose : NULL;
  *
- * ATTITUDE_QUATERNION and LOCAL_POSITION_NED of component 1 of the system mavlink.system_id count, in frames of MAVLink 1
+ * HEARTBEAT, ATTITUDE_QUATERNION and LOCAL_POSITION_NED of component 1 of the system mavlink.system_id count, in frames of MAVLink 1
  * and 2. The world is NED: x north, y east, z down. The mount of the camera is that of [mavlink]; the camera counts as
  * being where the autopilot says that the vehicle is.
  *
@@ -53,6 +53,8 @@ typedef struct vista_vehicle {
   int32_t attitude_count, position_count; /* received since the clock last leapt; the newest is count - 1 */
   vista_vehicle_attitude attitudes[VISTA_VEHICLE_KEPT]; /* number k at k % VISTA_VEHICLE_KEPT */
   vista_vehicle_position positions[VISTA_VEHICLE_KEPT];
+  bool offered; /* the autopilot is in the mode in which it flies what it is told, and armed, */
+  int64_t offered_ns; /* as of the last heartbeat; 0: none came */
   int32_t used;
   uint8_t bytes[VISTA_VEHICLE_FRAME_BYTES]; /* that wait for the rest of their frame */
 } vista_vehicle;
@@ -77,6 +79,10 @@ VISTA_API vista_status vista_vehicle_receive(vista_vehicle *vehicle, int64_t now
 /* The motion at t_ns, on the clock of now_ns: between the messages before and after, which may be half a second apart;
  * at most 0.2 s past the last one it goes on as that says. Farther off it is not known. */
 VISTA_API vista_status vista_vehicle_at(const vista_vehicle *vehicle, int64_t t_ns, vista_vehicle_motion *motion);
+
+/* Whether the autopilot flies setpoints now (vista_mavlink_fly): armed and in the mode OFFBOARD of PX4 or GUIDED of
+ * ArduPilot, as a heartbeat said in the last 3 s. Nobody but the pilot, or who plays him, takes it into that mode. */
+VISTA_API bool vista_vehicle_follows(const vista_vehicle *vehicle, int64_t now_ns);
 
 VISTA_END
 

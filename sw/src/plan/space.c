@@ -8,7 +8,6 @@
 #include "follow/tracker.h"
 #include "space/path_places.h"
 #include "space/space_map.h"
-#include "space/space_odds.h"
 
 #define NOW_SHARE \
   0.25 /* of the lines of sight that go on beyond a free place in the newest frame that has it in view */
@@ -95,9 +94,8 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   if (thing != NULL && thing->kind == VISTA_OBSTACLE_GROUND) place.ground = true;
   if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = place.beside = true;
   place.probability = vista_path_place_probability(&place);
-  const bool in_view = place.shown.frames > 0, occupied = place.probability >= VISTA_ODDS_WARN;
-  if (in_view && place.shown.beyond_newest >= NOW_SHARE && vista_path_place_is_free(&place))
-    return (vista_plan_place){.ruling = VISTA_PLAN_CHOSEN};
+  const bool in_view = place.shown.frames > 0, occupied = vista_path_place_is_occupied(&place);
+  if (in_view && vista_path_place_is_free_now(&place)) return (vista_plan_place){.ruling = VISTA_PLAN_CHOSEN};
   if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, occupied || !in_view, false};
   if (occupied) return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = true};
   return (vista_plan_place){.ruling = in_view ? VISTA_PLAN_BY_UNKNOWN : VISTA_PLAN_BY_VIEW,

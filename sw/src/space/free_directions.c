@@ -9,11 +9,9 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 #include "space/path_places.h"
-#include "space/space_odds.h"
 
 #define FRAMES 3 /* that are looked through: the newest */
 #define LEVEL_MIN 0.2 /* sine of camera axis and vertical: a camera that looks up or down sees no level direction */
-#define NOW_SHARE 0.25 /* of the lines of sight that go on beyond a free place in the newest frame */
 
 typedef struct view {
   const vista_frame_view *frame;
@@ -78,11 +76,11 @@ static bool look(const view *v, const double direction[3], int32_t column, doubl
   place->thing = place->beside = v->thing_m[column] <= along_m + place->reach_m;
   place->ground = v->ground_m[column] <= along_m + place->reach_m;
   place->probability = vista_path_place_probability(place);
-  return shown->beyond_newest >= NOW_SHARE && vista_path_place_is_free(place);
+  return vista_path_place_is_free_now(place);
 }
 
 static double block_m(const view *v, int32_t column, const vista_path_place *place) {
-  if (!(place->probability >= VISTA_ODDS_WARN)) return 0.0;
+  if (!vista_path_place_is_occupied(place)) return 0.0;
   if (place->shown.disparity_px > 0.0) return matched_m(v, &place->shown);
   return place->thing ? v->thing_m[column] : place->ground ? v->ground_m[column] : 0.0;
 }

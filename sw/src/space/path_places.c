@@ -14,6 +14,7 @@
 #define DENY 0.3 /* A thing in the volume is not in the way if all places at its range are less likely occupied. */
 #define REACH_SHARE 0.15 /* of the distance: where a place reaches farther, only a track tells of it */
 #define FREE_SHARE 0.5
+#define NOW_SHARE 0.25 /* of the lines of sight that go on beyond a free place in the newest frame */
 /* A place that is more likely occupied is not free. Of places that are given as much, half are occupied on families held
  * back: what two frames of six see there is rarely nothing. */
 #define FREE 0.3
@@ -106,7 +107,7 @@ bool vista_path_place_is_known(const vista_path_place *place) {
 }
 
 static bool is_warned_of(const vista_path_place *place) {
-  return place->probability >= VISTA_ODDS_WARN && vista_path_place_is_known(place);
+  return vista_path_place_is_occupied(place) && vista_path_place_is_known(place);
 }
 
 const vista_path_place *vista_path_places_contact(const vista_path_places *places) {
@@ -134,6 +135,12 @@ bool vista_path_place_is_free(const vista_path_place *place) {
   const bool all_vote = shown->frames < FRAMES_MIN && shown->votes == shown->frames;
   return shown->frames > 0 && !all_vote && shown->beyond >= FREE_SHARE && place->probability < FREE;
 }
+
+bool vista_path_place_is_free_now(const vista_path_place *place) {
+  return place->shown.beyond_newest >= NOW_SHARE && vista_path_place_is_free(place);
+}
+
+bool vista_path_place_is_occupied(const vista_path_place *place) { return place->probability >= VISTA_ODDS_WARN; }
 
 double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_places *places) {
   double free_m = 0.0;

@@ -66,6 +66,13 @@ double vista_path_place_probability(const vista_path_place *place);
 /* Whether a place that was judged is free. */
 bool vista_path_place_is_free(const vista_path_place *place);
 
+/* Whether it is free, and the newest frame that has it in view sees through it, too: what is blind now calls nothing
+ * free. */
+bool vista_path_place_is_free_now(const vista_path_place *place);
+
+/* Whether something is rather there than not. What is neither free nor occupied is unknown. */
+bool vista_path_place_is_occupied(const vista_path_place *place);
+
 /* How far a range may be off that is told of a place at this distance. */
 double vista_path_place_reach_m(const vista_camera *camera, double along_m);
 

@@ -11,6 +11,8 @@
 #define SECOND (1000 * MS)
 #define REPEAT_NS (80 * MS)  /* the same again, without a new frame: 10 Hz with time to spare */
 #define LEAST_NS (30 * MS)   /* between distances: a frame that comes sooner waits, or gives way to the next */
+#define SETPOINT_NS (50 * MS)
+#define HELD_NS (2 * SECOND) /* after the end of a plan without a further decision */
 #define TEXT_AGAIN_NS (10 * SECOND)
 #define TEXT_LEAST_NS SECOND
 
@@ -50,6 +52,37 @@ vista_status vista_mavlink_update(vista_mavlink *link, const vista_mavlink_frame
   link->has_frame = link->fresh = true;
   link->collision_due = s->collision.valid && s->collision.time_s > 0.0;
   return VISTA_OK;
+}
+
+vista_status vista_mavlink_fly(vista_mavlink *link, const vista_plan_decision *decision, int64_t state_ns) {
+  if (link == NULL) return VISTA_ERROR_ARGUMENT;
+  if (state_ns < 0 || (decision != NULL && (unsigned)decision->action >= VISTA_PLAN_ACTION_COUNT))
+    return VISTA_ERROR_RANGE;
+  link->flies = decision != NULL;
+  if (decision == NULL) return VISTA_OK;
+  link->plan = *decision;
+  link->plan_ns = state_ns;
+  return VISTA_OK;
+}
+
+/* For so long after the last decision there are setpoints: a stop is held a while, a circle once. */
+static int64_t plan_lasts_ns(const vista_plan_decision *plan) {
+  return (int64_t)(1e9 * plan->step_s * (plan->point_count - 1)) + HELD_NS;
+}
+
+static bool setpoint_is_due(const vista_mavlink *link) {
+  return link->flies && link->now_ns - link->setpoint_ns >= SETPOINT_NS &&
+         link->now_ns - link->plan_ns <= plan_lasts_ns(&link->plan);
+}
+
+/* To evade is to fly: nobody is told of each bend. */
+static vista_plan_action told_of(vista_plan_action action) {
+  return action == VISTA_PLAN_EVADES ? VISTA_PLAN_PROCEEDS : action;
+}
+
+static bool plan_text_is_due(const vista_mavlink *link) {
+  if (!link->flies || (link->plan_told && link->now_ns - link->plan_text_ns < TEXT_LEAST_NS)) return false;
+  return !link->plan_told || told_of(link->plan.action) != link->action_told;
 }
 
 static vista_mavlink_condition condition_of(const vista_mavlink *link) {
@@ -95,6 +128,10 @@ static bool text_is_due(const vista_mavlink *link, vista_mavlink_condition condi
 
 static int32_t write_next(vista_mavlink *link, uint8_t *bytes) {
   const vista_mavlink_condition condition = condition_of(link);
+  if (setpoint_is_due(link)) {
+    link->setpoint_ns = link->now_ns;
+    return vista_mavlink_write_setpoint(link, bytes);
+  }
   if (link->burst_next < link->burst_count) return vista_mavlink_write_point(link, link->burst_next++, bytes);
   const int64_t passed_ns = link->now_ns - link->sent_ns;
   if (!link->sent_any || passed_ns >= (link->fresh ? LEAST_NS : REPEAT_NS)) {
@@ -109,6 +146,12 @@ static int32_t write_next(vista_mavlink *link, uint8_t *bytes) {
     link->alive = true;
     link->heartbeat_ns = link->now_ns;
     return vista_mavlink_write_heartbeat(link, condition, bytes);
+  }
+  if (plan_text_is_due(link)) {
+    link->plan_told = true;
+    link->plan_text_ns = link->now_ns;
+    link->action_told = told_of(link->plan.action);
+    return vista_mavlink_write_plan_text(link, bytes);
   }
   if (!text_is_due(link, condition)) return 0;
   link->told = true;

@@ -115,3 +115,44 @@ int32_t vista_mavlink_write_point(vista_mavlink *link, int32_t number, uint8_t *
   };
   return WRITE(link, OBSTACLE_DISTANCE_3D, obstacle_distance_3d, message, bytes);
 }
+
+int32_t vista_mavlink_write_setpoint(vista_mavlink *link, uint8_t *bytes) {
+  vista_plan_setpoint s;
+  vista_plan_at(&link->plan, 1e-9 * (double)(link->now_ns - link->plan_ns), &s);
+  const wire_set_position_target_local_ned message = {
+      .time_boot_ms = (uint32_t)((uint64_t)link->now_ns / 1000000u),
+      .target_system = (uint8_t)link->params.system_id,
+      .target_component = MAV_COMP_ID_AUTOPILOT1,
+      .coordinate_frame = MAV_FRAME_LOCAL_NED,
+      .type_mask = 0, /* all of it counts */
+      .x = (float)s.position_m[0],
+      .y = (float)s.position_m[1],
+      .z = (float)s.position_m[2],
+      .vx = (float)s.velocity_m_s[0],
+      .vy = (float)s.velocity_m_s[1],
+      .vz = (float)s.velocity_m_s[2],
+      .afx = (float)s.acceleration_m_s2[0],
+      .afy = (float)s.acceleration_m_s2[1],
+      .afz = (float)s.acceleration_m_s2[2],
+      .yaw = (float)atan2(s.heading[1], s.heading[0]),
+      .yaw_rate = (float)-s.yaw_rate_rad_s, /* to the right */
+  };
+  return WRITE(link, SET_POSITION_TARGET_LOCAL_NED, set_position_target_local_ned, message, bytes);
+}
+
+int32_t vista_mavlink_write_plan_text(vista_mavlink *link, uint8_t *bytes) {
+  static const struct {
+    const char *text;
+    uint8_t severity;
+  } words[VISTA_PLAN_ACTION_COUNT] = {
+      [VISTA_PLAN_PROCEEDS] = {"VISTA flies", MAV_SEVERITY_INFO},
+      [VISTA_PLAN_EVADES] = {"VISTA flies", MAV_SEVERITY_INFO},
+      [VISTA_PLAN_ESCAPES] = {"VISTA ends its way: none is free", MAV_SEVERITY_WARNING},
+      [VISTA_PLAN_HOLDS] = {"VISTA holds: no way is free", MAV_SEVERITY_WARNING},
+      [VISTA_PLAN_ARRIVED] = {"VISTA has arrived", MAV_SEVERITY_INFO},
+      [VISTA_PLAN_HELPLESS] = {"VISTA has no safe way", MAV_SEVERITY_CRITICAL},
+  };
+  wire_statustext message = {.severity = words[link->plan.action].severity};
+  append(message.text, sizeof message.text, words[link->plan.action].text);
+  return WRITE(link, STATUSTEXT, statustext, message, bytes);
+}

@@ -23,4 +23,8 @@ int32_t vista_mavlink_write_sectors(vista_mavlink *link, bool counts, uint8_t *b
 /* One of the points; number point_count, of a frame without points, is beyond max_distance_m: nothing there. */
 int32_t vista_mavlink_write_point(vista_mavlink *link, int32_t number, uint8_t *bytes);
 
+/* What is flown now of the plan; and what the pilot is told of it. */
+int32_t vista_mavlink_write_setpoint(vista_mavlink *link, uint8_t *bytes);
+int32_t vista_mavlink_write_plan_text(vista_mavlink *link, uint8_t *bytes);
+
 #endif

@@ -19,6 +19,8 @@ static int crc_extra_of(uint32_t id) {
       return WIRE_ATTITUDE_QUATERNION_CRC_EXTRA;
     case WIRE_LOCAL_POSITION_NED_ID:
       return WIRE_LOCAL_POSITION_NED_CRC_EXTRA;
+    case WIRE_HEARTBEAT_ID:
+      return WIRE_HEARTBEAT_CRC_EXTRA;
     default:
       return -1;
   }

@@ -16,6 +16,8 @@
 #define GAP_NS (SECOND / 2)
 #define BEYOND_NS (SECOND / 5)
 #define UNIT_TOLERANCE 0.01
+#define HEARTBEAT_NS (3 * SECOND) /* A mode is known for so long: of heartbeats, one a second, two may be lost. */
+#define PX4_MAIN_MODE_OFFBOARD 6 /* of px4_custom_mode.h, in the third byte of custom_mode */
 #define KEPT VISTA_VEHICLE_KEPT
 
 vista_status vista_vehicle_start(vista_vehicle *vehicle, const vista_mavlink_params *params, int64_t delay_ns) {
@@ -76,6 +78,24 @@ static void take_position(vista_vehicle *v, int64_t now_ns, const uint8_t *paylo
   v->position_count = next_count(v->position_count);
 }
 
+static bool flies_setpoints(const wire_heartbeat *m) {
+  if (!(m->base_mode & MAV_MODE_FLAG_SAFETY_ARMED)) return false;
+  if (m->autopilot == MAV_AUTOPILOT_PX4) return (m->custom_mode >> 16 & 0xFF) == PX4_MAIN_MODE_OFFBOARD;
+  if (m->autopilot != MAV_AUTOPILOT_ARDUPILOTMEGA) return false;
+  return m->custom_mode == (m->type == MAV_TYPE_FIXED_WING ? PLANE_MODE_GUIDED : COPTER_MODE_GUIDED);
+}
+
+static void take_heartbeat(vista_vehicle *v, int64_t now_ns, const uint8_t *payload) {
+  wire_heartbeat m;
+  wire_heartbeat_unpack(payload, &m);
+  v->offered = flies_setpoints(&m);
+  v->offered_ns = now_ns;
+}
+
+bool vista_vehicle_follows(const vista_vehicle *vehicle, int64_t now_ns) {
+  return vehicle->offered && now_ns - vehicle->offered_ns <= HEARTBEAT_NS;
+}
+
 /* Takes all frames that are whole. */
 static void scan(vista_vehicle *v, int64_t now_ns) {
   int32_t at = 0;
@@ -87,6 +107,7 @@ static void scan(vista_vehicle *v, int64_t now_ns) {
     at += done;
     if (!there || message.system_id != v->system_id || message.component_id != MAV_COMP_ID_AUTOPILOT1) continue;
     if (message.id == WIRE_ATTITUDE_QUATERNION_ID) take_attitude(v, now_ns, message.payload);
+    if (message.id == WIRE_HEARTBEAT_ID) take_heartbeat(v, now_ns, message.payload);
     if (message.id == WIRE_LOCAL_POSITION_NED_ID) take_position(v, now_ns, message.payload);
   }
   v->used -= at;

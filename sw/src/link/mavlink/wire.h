@@ -9,6 +9,14 @@
 #include <string.h>
 
 #define MAV_AUTOPILOT_INVALID 8
+#define MAV_AUTOPILOT_PX4 12
+#define MAV_AUTOPILOT_ARDUPILOTMEGA 3
+#define MAV_FRAME_LOCAL_NED 1
+#define MAV_SEVERITY_CRITICAL 2
+#define MAV_MODE_FLAG_SAFETY_ARMED 128
+#define MAV_TYPE_FIXED_WING 1
+#define COPTER_MODE_GUIDED 4
+#define PLANE_MODE_GUIDED 15
 #define MAV_TYPE_ONBOARD_CONTROLLER 18
 #define MAV_COMP_ID_AUTOPILOT1 1
 #define MAV_COMP_ID_OBSTACLE_AVOIDANCE 196
@@ -169,6 +177,48 @@ static inline void wire_obstacle_distance_3d_pack(const wire_obstacle_distance_3
   (void)wire_put(to, m->frame, 1);
 }
 
+#define WIRE_SET_POSITION_TARGET_LOCAL_NED_ID 84
+#define WIRE_SET_POSITION_TARGET_LOCAL_NED_CRC_EXTRA 143
+#define WIRE_SET_POSITION_TARGET_LOCAL_NED_BYTES 53
+
+typedef struct wire_set_position_target_local_ned {
+  uint32_t time_boot_ms;
+  uint8_t target_system;
+  uint8_t target_component;
+  uint8_t coordinate_frame;
+  uint16_t type_mask;
+  float x;
+  float y;
+  float z;
+  float vx;
+  float vy;
+  float vz;
+  float afx;
+  float afy;
+  float afz;
+  float yaw;
+  float yaw_rate;
+} wire_set_position_target_local_ned;
+
+static inline void wire_set_position_target_local_ned_pack(const wire_set_position_target_local_ned *m, uint8_t *to) {
+  to = wire_put(to, m->time_boot_ms, 4);
+  to = wire_put_float(to, m->x);
+  to = wire_put_float(to, m->y);
+  to = wire_put_float(to, m->z);
+  to = wire_put_float(to, m->vx);
+  to = wire_put_float(to, m->vy);
+  to = wire_put_float(to, m->vz);
+  to = wire_put_float(to, m->afx);
+  to = wire_put_float(to, m->afy);
+  to = wire_put_float(to, m->afz);
+  to = wire_put_float(to, m->yaw);
+  to = wire_put_float(to, m->yaw_rate);
+  to = wire_put(to, m->type_mask, 2);
+  to = wire_put(to, m->target_system, 1);
+  to = wire_put(to, m->target_component, 1);
+  (void)wire_put(to, m->coordinate_frame, 1);
+}
+
 #define WIRE_ATTITUDE_QUATERNION_ID 31
 #define WIRE_ATTITUDE_QUATERNION_CRC_EXTRA 246
 #define WIRE_ATTITUDE_QUATERNION_BYTES 48
@@ -217,6 +267,14 @@ static inline void wire_local_position_ned_unpack(const uint8_t *from, wire_loca
   m->vx = wire_get_float(from + 16);
   m->vy = wire_get_float(from + 20);
   m->vz = wire_get_float(from + 24);
+}
+static inline void wire_heartbeat_unpack(const uint8_t *from, wire_heartbeat *m) {
+  m->custom_mode = (uint32_t)wire_get(from + 0, 4);
+  m->type = (uint8_t)wire_get(from + 4, 1);
+  m->autopilot = (uint8_t)wire_get(from + 5, 1);
+  m->base_mode = (uint8_t)wire_get(from + 6, 1);
+  m->system_status = (uint8_t)wire_get(from + 7, 1);
+  m->mavlink_version = (uint8_t)wire_get(from + 8, 1);
 }
 
 #define WIRE_PAYLOAD_MAX 167
