@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import source_cases as cases
 from bag_cases import write_bag
-from command_line import Vista, lines_without_times
+from command_line import call, lines_without_times
 from source_cases import Recording
 
 pytestmark = pytest.mark.slow
@@ -28,8 +28,8 @@ def recording(folder: Path) -> Recording:
     return cases.record_flight(folder / "flight")
 
 
-def run(run_vista: Vista, out: Path, source: Written) -> list[str]:
-    status, _, err = run_vista("run", *source, "--out", out, "--no-overlay")
+def run(capsys: pytest.CaptureFixture[str], out: Path, source: Written) -> list[str]:
+    status, _, err = call(capsys, "run", *source, "--out", out, "--no-overlay")
     assert status == 0, err
     return lines_without_times(out)
 
