@@ -4,26 +4,29 @@ Cameras freeze, come late, turn, fog up or lose columns; words stand still or ho
 drift or are missing; clocks run wrongly; bits turn over. Each kind comes at several strengths. An injection
 is silent where a warning of the recording as it is has gone, the frame is healthy, and the path is called
 free as far as what was warned of. DIR receives faults.json, which has every injection, and the table is
-printed.
+printed. An interrupted campaign continues.
 """
 
 from __future__ import annotations
 
 import argparse
-from functools import partial
 from pathlib import Path
 
 from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 
-from vista_eval.jobs import add_place, chosen_place, jobs_of, run
+from vista_eval.jobs import add_place, chosen_place, run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the results")
     parser.add_argument("recordings", type=Path, nargs="+", metavar="RECORDING", help="with poses")
     parser.add_argument(
-        "--count", type=positive, default=100, metavar="N", help="injections into each (default 100)"
+        "--count",
+        type=positive,
+        default=100,
+        metavar="N",
+        help="injections into each, in parts of 50 (default 100)",
     )
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the draws (default 1)")
     parser.add_argument("--kind", nargs="+", default=[], metavar="NAME", help="only these kinds")
@@ -36,16 +39,17 @@ def execute(arguments: argparse.Namespace) -> int:
     place = chosen_place(arguments)
     from vista_eval.disturbances import KINDS  # loads libvista, which `--help` need not
     from vista_eval.report.table import write_measurement
-    from vista_eval.suites.faults import campaign, figures_of, table
+    from vista_eval.suites.faults import PART, Part, figures_of, job, table
 
     unknown = [kind for kind in arguments.kind if kind not in KINDS]
     if unknown:
         raise InputError("--kind", f"{unknown[0]} is none of: {', '.join(KINDS)}")
     kinds = arguments.kind or list(KINDS)
     recordings = [place.known_to_all(path) for path in arguments.recordings]
-    work = partial(campaign, values, arguments.seed, arguments.count, kinds)
-    found = run(jobs_of(work, recordings, lambda path: path.name), place, "faults", "recording")
-    results = [result for of_recording in found for result in of_recording]
+    parts = [Part(arguments.seed, number, tuple(kinds)) for number in range(-(-arguments.count // PART))]
+    jobs = [job(values, part, recording) for part in parts for recording in recordings]
+    found = run(jobs, place, "faults", "part", arguments.folder / "kept")
+    results = [result for of_part in found for result in of_part]
     shown = table(results)
     print(shown.as_text())
     write_measurement(

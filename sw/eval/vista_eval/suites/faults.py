@@ -7,14 +7,16 @@ of the flight as recorded.
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from vista import parameters
+from vista import native, parameters
 from vista.chain import engine_parameters, fitted_to
 from vista.detector import Detector, Novelty
 from vista.engine import Engine, create_engine
@@ -23,9 +25,13 @@ from vista.rectify import Rectifier
 from vista.sequence import Sequence as Recording
 from vista.sequence import open_sequence
 
+from vista_eval.cache import code_digest, digest_of
 from vista_eval.disturbances import KINDS, Now, Shot, Words
+from vista_eval.fly import LIBRARIES
+from vista_eval.jobs import Job
 from vista_eval.report.table import Table
 
+PART = 50  # injections into one recording, which are one job
 LENGTH = 8  # frames from the onset on
 ALARM = 3  # frames within which an alarm has to come
 FARTHER = 1.15  # a warning at more than so many times the distance is another one
@@ -125,7 +131,7 @@ class Flown:
 
 
 def injections(
-    rng: np.random.Generator, clean: Sequence[Seen], count: int, kinds: Sequence[str]
+    rng: np.random.Generator, clean: Sequence[Seen], kinds: Sequence[str], count: int = PART
 ) -> list[Injection]:
     """Random kinds, strengths and onsets; where the recording warns, mostly shortly before or during that."""
     frames = len(clean)
@@ -142,17 +148,36 @@ def injections(
     return sorted(made, key=lambda i: i.onset)
 
 
-def campaign(
-    values: parameters.Values, seed: int, count: int, kinds: Sequence[str], folder: Path
-) -> list[dict[str, Any]]:
-    """The outcomes of `count` injections into one recording: JSON takes them."""
+@dataclass(frozen=True)
+class Part:
+    """What is drawn for one job."""
+
+    seed: int
+    number: int
+    kinds: tuple[str, ...]
+
+
+def job(values: parameters.Values, part: Part, folder: Path) -> Job:
+    """PART injections into one recording, whose outcomes are kept."""
+    files = sorted(path for path in folder.rglob("*") if path.suffix in (".csv", ".txt", ".toml", ".yaml"))
+    digest = digest_of(
+        json.dumps([values, asdict(part), str(folder)], sort_keys=True),
+        code_digest(__name__),
+        *map(native.library_path, LIBRARIES),
+        *files,
+    )
+    return Job(f"{folder.name}, part {part.number}", partial(campaign, values, part, folder), digest)
+
+
+def campaign(values: parameters.Values, part: Part, folder: Path) -> list[dict[str, Any]]:
+    """The outcomes of PART injections into one recording, as JSON takes them."""
     flown = Flown(open_sequence(folder), values)
     detector = flown.detector
     clean = [flown.frame(shot, None) for shot in flown.shots]
     detector.reset()
     number = int.from_bytes(folder.name.encode(), "little") % (1 << 32)
     results, at = [], 0
-    for injection in injections(np.random.default_rng((seed, number)), clean, count, kinds):
+    for injection in injections(np.random.default_rng((part.seed, part.number, number)), clean, part.kinds):
         while at < injection.onset:
             flown.frame(flown.shots[at], None)
             at += 1
