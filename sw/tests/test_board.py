@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import socket
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -353,6 +355,29 @@ def test_what_is_no_answer_is_passed_over() -> None:
             pair = random_pair(rng, SETTINGS)
             client.submit(*pair)
             np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
+
+
+def test_a_stream_of_what_is_no_answer_holds_nobody_up() -> None:
+    stopped = threading.Event()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as flood:
+        flood.bind(("127.0.0.1", 0))
+        flood.settimeout(10.0)
+
+        def send() -> None:
+            _, client = flood.recvfrom(2000)
+            while not stopped.is_set():
+                flood.sendto(b"this is no packet of a board", client)
+
+        thread = threading.Thread(target=send)
+        thread.start()
+        threading.Timer(10.0, stopped.set).start()
+        began_s = time.monotonic()
+        with pytest.raises(BoardError, match="NO_ANSWER"):
+            Client(flood.getsockname()[1], timeout_ms=100)
+        took_s = time.monotonic() - began_s
+        stopped.set()
+        thread.join()
+    assert took_s < 5.0
 
 
 class Noise(Link):

@@ -321,7 +321,7 @@ def test_bad_configs(tmp_path: Path, run_vista: Vista, text: str) -> None:
 BAD_OPTIONS = [
     (["run"], "required"),
     ([], "required"),
-    (["fly"], "invalid choice"),
+    (["soar"], "invalid choice"),
     (
         ["run", "SEQUENCE", "--out", "OUT", "--frames", "3"],
         "--frames: '3' is not a range A:B of frame numbers",

@@ -133,6 +133,15 @@ def fly_poses(
             ring.put(frame.left, frame.right, t_ns, exposed_ns=t_ns)
 
 
+def test_a_port_that_is_taken_is_named(flight: Flight) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+        run = fly("--rig", flight.rig, "--shared", "none", "--to", "udp:127.0.0.1:14550", "--listen", port)
+    assert run.returncode == 2
+    assert run.stderr.endswith(f"vista-fly: --listen {port}: address already in use\n")
+
+
 @pytest.mark.parametrize("own_port", [False, True], ids=["answers", "listens"])
 def test_poses_come_from_the_autopilot(flight: Flight, autopilot: Autopilot, own_port: bool) -> None:
     """What is found is what the recording's own poses give, to the accuracy of a millisecond at 10 m/s."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import struct
 import time
 from pathlib import Path
 
@@ -47,6 +48,24 @@ def test_each_frame_gives_its_line(flight: Flight) -> None:
     assert {line["motion"] for line in flight.read()} == {"known"}
     assert any(line["obstacles"] for line in flight.read())
     assert "8 frames processed, 0 dropped" in err and "0 duplicates, 0 restarts" in err
+
+
+def test_sizes_that_somebody_else_wrote_into_the_ring_are_not_read_again() -> None:
+    """Whoever can open the memory can write there; the writer goes on with the sizes that it knows."""
+    name = ring_name()
+    with shared_ring(name) as ring:
+        place = Path("/dev/shm") / name
+        sound = place.read_bytes()
+        with place.open("r+b") as file:
+            file.seek(12)
+            file.write(struct.pack("<3I", 8192, 8192, 1 << 30))  # width, height, bytes of a slot
+        image = np.full((HEIGHT, WIDTH), 7, np.uint8)
+        ring.put(image, image, 1)
+        written = place.read_bytes()
+        assert len(written) == len(sound)
+        assert written.count(image.tobytes()) == 2
+        with pytest.raises(InputError):
+            ring.put(np.zeros((8192, 8192), np.uint8), np.zeros((8192, 8192), np.uint8), 2)
 
 
 def test_a_ring_that_comes_later_and_one_that_is_made_anew(flight: Flight) -> None:

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RECTIFY, STEREO, ALIGNMENT, FIRST_STAGE };
+enum { RECTIFY, STEREO, ALIGNMENT, WATCH, FIRST_STAGE };
 
-static const char *const before_the_stages[FIRST_STAGE] = {"rectify", "stereo", "alignment"};
+static const char *const before_the_stages[FIRST_STAGE] = {"rectify", "stereo", "alignment", "watch"};
 
 /* What is before the stages, the stages, the time of all stages together, and that of the processor. */
 static int column_count(void) { return FIRST_STAGE + vista_stage_count() + 2; }
@@ -32,6 +32,7 @@ void times_add(times *t, const vista_detector_result *found, double cpu_ms) {
   row[RECTIFY] = found->rectify_ms;
   row[STEREO] = found->match_ms;
   row[ALIGNMENT] = found->alignment_ms;
+  row[WATCH] = found->watch_ms;
   memcpy(row + FIRST_STAGE, found->result.stage_ms, (size_t)stages * sizeof *row);
   row[FIRST_STAGE + stages] = found->result.host_ms;
   row[FIRST_STAGE + stages + 1] = cpu_ms;

@@ -99,7 +99,7 @@ typedef struct vista_detector_result {
   vista_finding findings[VISTA_LINE_REASONS]; /* calibration, images, alignment, motion, then those of vista_result */
   int32_t next_finding; /* where vista_detector_add puts the next one */
   vista_line_health health; /* the same as states and names */
-  double rectify_ms, match_ms, alignment_ms;
+  double rectify_ms, match_ms, alignment_ms, watch_ms;
   bool shown; /* the images show something: not one grey level, and not both the same */
 } vista_detector_result;
 

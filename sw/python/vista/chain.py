@@ -29,7 +29,8 @@ from vista.pipeline import Result
 from vista.rectify import Rectifier
 from vista.sequence import Frame, FrameFiles, Sequence
 
-TIMED = ("read", "rectify", "stereo", "alignment", "odometry", "host")  # what the total of a frame is made of
+# What the total of a frame is made of.
+TIMED = ("read", "rectify", "stereo", "alignment", "odometry", "watch", "host")
 
 
 class RectifyingEngine(Protocol):
@@ -192,11 +193,12 @@ def _load_map(chain: Chain) -> None:
 
 def _stage_ms(chain: Chain, own: dict[str, float], host: dict[str, float]) -> dict[str, float]:
     """The time of each stage in their order, and of those together that give a frame its result."""
-    rectify_ms, _, alignment_ms = chain.detector.times_ms
+    rectify_ms, _, alignment_ms, watch_ms = chain.detector.times_ms
     times = {"read": own.get("read"), "rectify": rectify_ms, "stereo": own["stereo"]}
     times |= {
         "alignment": None if chain.sequence.stills else alignment_ms,
         "odometry": own.get("odometry"),
+        "watch": None if chain.sequence.stills else watch_ms,
     }
     stage_ms = {name: ms for name, ms in times.items() if ms is not None} | host
     total_ms = sum(stage_ms.get(name, 0.0) for name in TIMED)

@@ -180,9 +180,10 @@ class Detector:
         return Alignment.copied(self._ffi, self._ffi.addressof(self._found, "alignment"))
 
     @property
-    def times_ms(self) -> tuple[float, float, float]:
-        """How long rectifying, matching and the alignment took."""
-        return self._found.rectify_ms, self._found.match_ms, self._found.alignment_ms
+    def times_ms(self) -> tuple[float, float, float, float]:
+        """How long rectifying, matching, the alignment and the watch took."""
+        found = self._found
+        return found.rectify_ms, found.match_ms, found.alignment_ms, found.watch_ms
 
     @property
     def shown(self) -> bool:

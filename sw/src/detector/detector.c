@@ -281,14 +281,16 @@ static vista_status process(vista_detector *d, const vista_detector_place *place
 }
 
 /* What this pair shows against those before, and what its engine says against the one in C. */
-static uint32_t watch(vista_detector *d, const vista_detector_result *result) {
+static uint32_t watch(vista_detector *d, vista_detector_result *result) {
   if (d->watch == NULL) return 0;
+  const double start_ms = vista_clock_ms();
   const vista_image left = kept(d, d->levels.images[0][0]);
   const vista_image right = kept(d, d->has_right ? d->levels.images[1][0] : NULL);
   vista_watched found;
   vista_watch_pair(d->watch, &left, &right, &result->result, d->t_ns, &found);
   if (d->words_differ > 0.0) found.reasons |= UINT32_C(1) << VISTA_HEALTH_WORDS_DIFFER;
   if (result->alignment.unexplained) found.reasons |= UINT32_C(1) << VISTA_HEALTH_MOMENTS_DIFFER;
+  result->watch_ms = vista_clock_ms() - start_ms;
   return found.reasons;
 }
 
