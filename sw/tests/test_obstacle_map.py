@@ -883,7 +883,7 @@ def test_what_is_not_confirmed_is_in_the_way_where_the_frames_do_not_see_through
 
 
 def test_the_path_is_free_no_farther_than_what_may_fly_into_it() -> None:
-    """In 3.5 s it is where the aircraft is then. One that goes away, or stands, does not bound it; three hits
+    """It is where the aircraft will be in 3.5 s. One that goes away, or stands, does not bound it; three hits
     whose motion is two standard deviations are enough, and no warning."""
     space = watched()
 
