@@ -73,8 +73,10 @@ def test_of_things_of_all_kinds_the_nearest_is_named():
 def test_a_wire_that_lies_between_two_steps_is_met():
     rod = thing("wire", "wire", [Cylinder("wire", (0.5, -5.0, 2.0), (0.5, 5.0, 2.0), 0.01, GREY)])
     made = Geometry(Scene((rod,), TO_SUN))
-    met = made.nearest_on_way(np.array([0.0, 0, 2]), np.array([1.1, 0, 2]), 0.0, 0.1)
+    start, end = np.array([0.0, 0, 2]), np.array([1.1, 0, 2])
+    met, last = made.nearest_on_way(made.nearest(start), start, end, 0.0, 0.1)
     assert met.distance_m < 0.01
+    assert last == made.nearest(end)
 
 
 def test_what_moves_is_where_it_has_moved_to():
@@ -267,6 +269,7 @@ def test_the_command_writes_records_film_mcap_and_page(tmp_path, capsys):
     options = ["--family", "boxes", "--first", "5", "--count", "1", "--rival", "none", "--films", "--mcap"]
     assert call(capsys, "fly", tmp_path, *options, "--jobs", "1")[0] == 0
     folder = tmp_path / "boxes_005_none"
-    assert {path.name for path in folder.iterdir()} == {"flight.jsonl", "flight.webm", "flight.mcap"}
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"flight.jsonl", "flight.webm", "flight.mcap", "outcome.json"}
     assert "no avoidance" in (tmp_path / "fly.html").read_text()
     assert (tmp_path / "fly.json").exists()

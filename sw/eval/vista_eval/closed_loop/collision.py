@@ -15,6 +15,7 @@ from vista_eval.render.scene import Cylinder, Scene, Solid, Sphere, Thing
 
 BLOCK = 32  # triangles that are looked at together
 CLOSE_ENOUGH_M = 0.01  # to the least distance on a way
+ROUNDING_M = 1e-6
 
 
 class Near(NamedTuple):
@@ -173,20 +174,17 @@ class Geometry:
         return Near(best, self.names[owner] if owner >= 0 else "")
 
     def nearest_on_way(
-        self, start_m: np.ndarray, end_m: np.ndarray, t_s: float, duration_s: float, most_m: float = np.inf
-    ) -> Near:
-        """The least distance, within CLOSE_ENOUGH_M, on a straight way that is flown from t_s on: no distance
-        changes by more than the way and the motion of things together. most_m: more does not matter."""
-        first, last = self.nearest(start_m, t_s, most_m), self.nearest(end_m, t_s + duration_s, most_m)
-        least = min(first, last, key=lambda near: near.distance_m)
+        self, first: Near, start_m: np.ndarray, end_m: np.ndarray, t_s: float, duration_s: float
+    ) -> tuple[Near, Near]:
+        """The least distance, within CLOSE_ENOUGH_M, on a straight way that is flown from t_s on, and that at
+        its end: no distance changes by more than the way and the motion of things together. first: that at
+        the start."""
         way = float(np.linalg.norm(end_m - start_m)) + self.fastest_m_s * duration_s
-        bound = (first.distance_m + last.distance_m - way) / 2
-        if bound >= min(least.distance_m, most_m) - CLOSE_ENOUGH_M:
-            return least
-        middle = (start_m + end_m) / 2
-        parts = ((start_m, middle, t_s), (middle, end_m, t_s + duration_s / 2))
-        return min(
-            (self.nearest_on_way(a, b, at, duration_s / 2, least.distance_m) for a, b, at in parts),
-            default=least,
-            key=lambda near: near.distance_m,
-        )
+        last = self.nearest(end_m, t_s + duration_s, first.distance_m + way + ROUNDING_M)
+        least = min(first, last, key=lambda near: near.distance_m)
+        if (first.distance_m + last.distance_m - way) / 2 >= least.distance_m - CLOSE_ENOUGH_M:
+            return least, last
+        half_s, middle_m = duration_s / 2, (start_m + end_m) / 2
+        before, middle = self.nearest_on_way(first, start_m, middle_m, t_s, half_s)
+        after, last = self.nearest_on_way(middle, middle_m, end_m, t_s + half_s, half_s)
+        return min(before, after, key=lambda near: near.distance_m), last

@@ -117,7 +117,7 @@ def fly(
     late_steps = round(conditions.latency_s / STEP_S)
     longest_s = LONGEST * world.length_m / world.speed_m_s + SLACK_S
     decision, decided_step, record, left = None, 0, None, None
-    leg, step, rested_s, near = 0, 0, 0.0, NOTHING
+    leg, step, rested_s, near, here = 0, 0, 0.0, NOTHING, geometry.nearest(legs[0].from_m)
     while not flight.end:
         state = vehicle.state
         if step % period_steps == 0:
@@ -144,9 +144,7 @@ def fly(
             setpoint = setpoint._replace(position_m=setpoint.position_m - drift.position_m)
         vehicle.step(setpoint, world.wind_at(step * STEP_S))
         now = vehicle.state
-        met = geometry.nearest_on_way(
-            state.position_m, now.position_m, step * STEP_S, STEP_S, near.distance_m
-        )
+        met, here = geometry.nearest_on_way(here, state.position_m, now.position_m, step * STEP_S, STEP_S)
         near = min(near, met, key=lambda one: one.distance_m)
         flight.nearest = min(flight.nearest, met, key=lambda one: one.distance_m)
         flight.way_m += float(np.linalg.norm(now.position_m - state.position_m))

@@ -15,6 +15,7 @@ BACK_S = 4.0  # before a collision in which its cause is looked for
 HALF_VIEW_RAD = math.atan(160 / 277)
 ALONG_M = 2.0  # a warning is of what was hit if it is so near to it
 
+BLIND = "nothing was looked at"
 UNSEEN = "not in view"
 UNWARNED = "in view, never warned of"
 LATE = "warned of too late to stop"
@@ -91,6 +92,8 @@ def begins(states: list[bool]) -> int:
 
 def cause_of(flight: Flight) -> str:
     """Tells where the chain failed: whether what was hit was in view, and when it was first warned of."""
+    if flight.moments[-1].record is None:
+        return BLIND
     place = flight.moments[-1].state.position_m
     before = [m for m in flight.moments[:-1] if flight.time_s - m.t_s < BACK_S]
     if not any(in_view(moment, place) for moment in before):

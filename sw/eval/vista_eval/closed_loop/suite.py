@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import base64
+import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from statistics import median
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from markupsafe import Markup
-from vista import parameters
+from vista import native, parameters
 from vista.output import make_folder
 
+from vista_eval.cache import code_digest, digest_of, kept
 from vista_eval.closed_loop.film import Map, frame_of, write_film
 from vista_eval.closed_loop.loop import Conditions, Flight
 from vista_eval.closed_loop.outcome import NEAR_MISS_M, Outcome, first_wrong, outcome_of
 from vista_eval.closed_loop.places.catalog import FAMILIES
 from vista_eval.closed_loop.record import write_mcap, write_record
 from vista_eval.closed_loop.rivals import RIVALS
+from vista_eval.fly import LIBRARIES
 from vista_eval.jobs import Job, jobs_of
 from vista_eval.metrics.intervals import clopper_pearson
 from vista_eval.report.page import Page, Picture, Section, as_jpeg
@@ -50,18 +54,33 @@ def name_of(key: Key) -> str:
 def fly_one(
     folder: Path, values: parameters.Values, conditions: Conditions, films: bool, mcap: bool, key: Key
 ) -> Flown:
-    """One flight; its folder receives the record and what else is asked for."""
-    world = FAMILIES[key.family].world(key.number, key.seed, key.speed_m_s)
-    rival = RIVALS[key.rival]
-    flight = rival.fly(world, values, conditions)
+    """One flight, unless it is kept from a run before; its folder receives the record and what else is asked
+    for."""
     out = folder / name_of(key)
-    make_folder(out)
-    write_record(out / "flight.jsonl", flight, rival.name)
-    if films:
-        write_film(out / "flight.webm", flight)
-    if mcap:
-        write_mcap(out / "flight.mcap", flight)
-    return Flown(outcome_of(flight, rival.name), out, still_of(flight))
+    deciding = json.dumps([key, values, asdict(conditions), films, mcap], sort_keys=True)
+    digest = digest_of(deciding, code_digest(__name__), *map(native.library_path, LIBRARIES))
+
+    def flown() -> dict[str, Any]:
+        world = FAMILIES[key.family].world(key.number, key.seed, key.speed_m_s)
+        rival = RIVALS[key.rival]
+        flight = rival.fly(world, values, conditions)
+        make_folder(out)
+        write_record(out / "flight.jsonl", flight, rival.name)
+        if films:
+            write_film(out / "flight.webm", flight)
+        if mcap:
+            write_mcap(out / "flight.mcap", flight)
+        still = still_of(flight)
+        picture = None if still is None else base64.b64encode(still).decode()
+        return {"outcome": asdict(outcome_of(flight, rival.name)), "still": picture}
+
+    found = kept(out / "outcome.json", digest, flown, as_found)
+    still = found["still"]
+    return Flown(Outcome(**found["outcome"]), out, None if still is None else base64.b64decode(still))
+
+
+def as_found(content: Any) -> dict[str, Any]:
+    return dict(content)
 
 
 def still_of(flight: Flight) -> bytes | None:
