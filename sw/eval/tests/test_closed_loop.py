@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from command_line import assert_refused, call
 from vista import parameters
-from vista_eval.closed_loop.camera import FLOWN_RIG, calibration_of, rig_of_width
+from vista_eval.closed_loop.camera import calibration_of, rig_of
 from vista_eval.closed_loop.collision import Geometry, to_cylinders_m, to_triangles_m
 from vista_eval.closed_loop.loop import Conditions, Faults, fly
 from vista_eval.closed_loop.outcome import begins, outcome_of, stops_of
@@ -233,10 +233,10 @@ def test_every_family_builds_the_same_world_twice_and_begins_in_the_open():
 
 
 def test_images_of_another_width_show_the_same():
-    rig = rig_of_width(640)
-    assert (rig.width_px, rig.height_px) == (640, 480)
-    assert rig.focal_px / rig.width_px == FLOWN_RIG.focal_px / FLOWN_RIG.width_px
-    assert calibration_of(rig).baseline_m == FLOWN_RIG.baseline_m
+    small, large = rig_of(320, 90.0), rig_of(640, 90.0)
+    assert (large.width_px, large.height_px) == (640, 480)
+    assert small.focal_px == pytest.approx(160.0) and large.focal_px == pytest.approx(320.0)
+    assert calibration_of(large).baseline_m == small.baseline_m
 
 
 # ---- the command ----
@@ -249,6 +249,7 @@ def test_images_of_another_width_show_the_same():
         (["--rival", "eagle"], "no rival eagle"),
         (["--rate", "7"], "must be one of 5, 10, 20, 25"),
         (["--width", "100"], "a multiple of 32"),
+        (["--view", "170"], "from 20 to 110 degrees"),
         (["--drop-outs", "1"], "less than 1"),
         (["--speed", "0.5"], "at least 1 m/s"),
         (["--first", "-1"], "must not be negative"),

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from vista.geometry import Calibration
 
 from vista_eval.render.renderer import OFF_CENTER_PX, Renderer
-from vista_eval.render.rig import LEFT, RIGHT, Rig
+from vista_eval.render.rig import LEFT, PAPER_RIG, RIGHT, Rig
 from vista_eval.render.scene import Scene
 from vista_eval.render.sensor import Sensor, expose
 
-# Half the size of the paper's images over 60 degrees: a pixel of a third of its angle, as the depth cameras
-# of small multirotors have it.
-FLOWN_RIG = Rig(width_px=320, height_px=240, focal_px=277.0, baseline_m=0.4572)
-
+BASELINE_M = PAPER_RIG.baseline_m
 FLOWN_RAYS = OFF_CENTER_PX[::2]  # two more rays where the surface changes in place of four
 
 
-def rig_of_width(width_px: int) -> Rig:
-    """The same view with other pixels."""
-    scale = width_px / FLOWN_RIG.width_px
-    return Rig(width_px, round(FLOWN_RIG.height_px * scale), FLOWN_RIG.focal_px * scale, FLOWN_RIG.baseline_m)
+def rig_of(width_px: int, view_deg: float) -> Rig:
+    """A rig of images with sides of 4 to 3 and this field of view from side to side."""
+    focal_px = width_px / 2 / math.tan(math.radians(view_deg) / 2)
+    return Rig(width_px, width_px * 3 // 4, focal_px, BASELINE_M)
 
 
 class StereoCamera:

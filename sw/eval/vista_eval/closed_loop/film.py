@@ -19,7 +19,7 @@ from vista_eval.render.motion import moves, solids_at
 from vista_eval.render.scene import Solid
 
 SIDE_PX = 480
-VIEW_M = 44.0  # that the map shows, from one side to the other
+VIEW_M = 56.0  # that the map shows, from one side to the other
 BAND_M = 1.5  # above and below the flight, of what the map shows
 BAR_PX = 46
 WHITE, INK, SOFT = (245, 245, 245), (40, 40, 40), (150, 150, 150)

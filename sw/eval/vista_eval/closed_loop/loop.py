@@ -12,7 +12,7 @@ from vista import parameters
 from vista.geometry import Pose
 from vista.history import FrameRecord
 
-from vista_eval.closed_loop.camera import StereoCamera, rig_of_width
+from vista_eval.closed_loop.camera import StereoCamera, rig_of
 from vista_eval.closed_loop.collision import Geometry, Near
 from vista_eval.closed_loop.perception import Perception, Words
 from vista_eval.closed_loop.pilots import Decision, Leg, Pilot, Seen
@@ -43,6 +43,7 @@ class Conditions:
     rate_hz: float = 10.0
     latency_s: float = 0.05  # from the middle of the exposure to the command
     width_px: int = 320
+    view_deg: float = 87.0  # from side to side
     noise_grey: float = 1.5
     drop_outs: float = 0.0  # probability of a frame that two of them are lost
     pose_noise: bool = False  # errors like those of a navigation filter
@@ -97,7 +98,7 @@ def fly(
     sees: bool = True,
 ) -> Flight:
     """sees: whether there are cameras; a pilot who looks at nothing needs none."""
-    rig, flight = rig_of_width(conditions.width_px), Flight(world, conditions)
+    rig, flight = rig_of(conditions.width_px, conditions.view_deg), Flight(world, conditions)
     camera = (
         StereoCamera(world.scene, rig, Sensor().with_noise(conditions.noise_grey), world.seed)
         if sees

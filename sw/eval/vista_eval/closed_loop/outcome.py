@@ -12,7 +12,6 @@ from vista_eval.closed_loop.pilots import BRAKE_LAG_S, BRAKING_M_S2
 
 NEAR_MISS_M = 1.5  # what the competition of SBFT and ICST calls a soft failure
 BACK_S = 4.0  # before a collision in which its cause is looked for
-HALF_VIEW_RAD = math.atan(160 / 277)
 ALONG_M = 2.0  # a warning is of what was hit if it is so near to it
 
 BLIND = "nothing was looked at"
@@ -96,7 +95,8 @@ def cause_of(flight: Flight) -> str:
         return BLIND
     place = flight.moments[-1].state.position_m
     before = [m for m in flight.moments[:-1] if flight.time_s - m.t_s < BACK_S]
-    if not any(in_view(moment, place) for moment in before):
+    half_view_rad = math.radians(flight.conditions.view_deg) / 2
+    if not any(in_view(moment, place, half_view_rad) for moment in before):
         return UNSEEN
     warned = [moment for moment in before if warns_of(moment, place)]
     if not warned:
@@ -107,9 +107,9 @@ def cause_of(flight: Flight) -> str:
     return LATE if np.linalg.norm(place - first.state.position_m) < needed_m else FLOWN_ON
 
 
-def in_view(moment: Moment, place_m: np.ndarray) -> bool:
+def in_view(moment: Moment, place_m: np.ndarray, half_view_rad: float) -> bool:
     far = float(np.linalg.norm(place_m - moment.state.position_m)) > 1.0
-    return far and heading_off_rad(moment.state, place_m) < HALF_VIEW_RAD
+    return far and heading_off_rad(moment.state, place_m) < half_view_rad
 
 
 def warns_of(moment: Moment, place_m: np.ndarray) -> bool:

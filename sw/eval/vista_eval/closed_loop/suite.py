@@ -210,7 +210,8 @@ def page(
     worst = sorted(results, key=lambda flown: badness(flown.outcome))[:MOST_WORST]
     facts = (
         f"{len(results)} flights at {conditions.rate_hz:g} frames/s, {conditions.latency_s:g} s from the "
-        f"exposure to the command, images {conditions.width_px} px wide with a noise of "
+        f"exposure to the command, images {conditions.width_px} px wide over "
+        f"{conditions.view_deg:g} degrees with a noise of "
         f"{conditions.noise_grey:g} grey levels."
     )
     sections = [Section(table.title, [table]) for table in shown]

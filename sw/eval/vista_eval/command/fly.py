@@ -20,6 +20,7 @@ from vista_eval.jobs import add_place, chosen_place
 
 DEFAULT_RIVALS = ("none", "brake", "planner")
 LEAST_WIDTH_PX = 160
+VIEW_DEG = (20.0, 110.0)
 RATES_HZ = (5.0, 10.0, 20.0, 25.0)  # whose period is a whole number of steps of the vehicle
 
 
@@ -65,6 +66,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--width", type=positive, default=320, metavar="PX", help="width of the images (default 320)"
     )
     parser.add_argument(
+        "--view", type=float, default=87.0, metavar="DEG", help="field of view from side to side (default 87)"
+    )
+    parser.add_argument(
         "--noise",
         type=not_negative,
         default=1.5,
@@ -103,6 +107,7 @@ def execute(arguments: argparse.Namespace) -> int:
         arguments.rate,
         arguments.latency,
         arguments.width,
+        arguments.view,
         arguments.noise,
         arguments.drop_outs,
         arguments.pose_noise,
@@ -140,6 +145,8 @@ def check(arguments: argparse.Namespace) -> None:
         raise InputError("--rate", f"must be one of {', '.join(f'{rate:g}' for rate in RATES_HZ)}")
     if arguments.width < LEAST_WIDTH_PX or arguments.width % 32:
         raise InputError("--width", f"must be a multiple of 32 from {LEAST_WIDTH_PX} on")
+    if not VIEW_DEG[0] <= arguments.view <= VIEW_DEG[1]:
+        raise InputError("--view", f"must be from {VIEW_DEG[0]:g} to {VIEW_DEG[1]:g} degrees")
     if arguments.drop_outs >= 1.0:
         raise InputError("--drop-outs", "must be less than 1")
     if any(speed < 1.0 for speed in arguments.speed):
