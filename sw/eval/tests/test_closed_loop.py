@@ -17,6 +17,7 @@ from vista_eval.closed_loop.places import boxes, forests
 from vista_eval.closed_loop.places.catalog import FAMILIES
 from vista_eval.closed_loop.places.parts import scene, upright_box
 from vista_eval.closed_loop.record import lines_of
+from vista_eval.closed_loop.rivals import RIVALS
 from vista_eval.closed_loop.setpoint import Setpoint
 from vista_eval.closed_loop.vehicle import STEP_S, Multirotor
 from vista_eval.closed_loop.world import World
@@ -274,3 +275,14 @@ def test_the_command_writes_records_film_mcap_and_page(tmp_path, capsys):
     assert names == {"flight.jsonl", "flight.webm", "flight.mcap", "outcome.json"}
     assert "no avoidance" in (tmp_path / "fly.html").read_text()
     assert (tmp_path / "fly.json").exists()
+
+
+@pytest.mark.slow
+def test_the_planner_flies_round_a_box_that_true_disparities_show():
+    pillar = upright_box("pillar", (10.0, 0.3), (1.5, 1.5, 9.0), 0.0, 5)
+    world = small_world(pillar, goal_m=18.0)
+    flight = RIVALS["perfect"].fly(world, parameters.defaults(), QUICK)
+    outcome = outcome_of(flight, "perfect")
+    assert outcome.end == "reached"
+    assert outcome.nearest_m > 0.8
+    assert outcome.evasions > 0

@@ -75,13 +75,15 @@ class WithPlanner:
 
 def why_of(plan: Plan, options: list[Option]) -> str:
     """What is flown, and what ruled out the best of what is not."""
-    chosen = options[plan.chosen].primitive if 0 <= plan.chosen < len(options) else "as committed"
+    flown = "as committed"
+    if 0 <= plan.chosen < len(options):
+        chosen = options[plan.chosen]
+        flown = f"{chosen.primitive} at {chosen.speed_m_s:.1f} m/s"
     against = next((option for option in options if option.ruling.startswith("by_")), None)
     if plan.action == "proceeds" or against is None:
-        return f"{chosen} at {plan.speed_m_s:.1f} m/s"
+        return flown
     ruled = against.ruling.removeprefix("by_")
     what = f"#{against.obstacle_id}" if ruled == "obstacle" else ruled
-    flown = f"{chosen} at {plan.speed_m_s:.1f} m/s"
     return f"{flown}; {against.primitive} is ruled out by {what} in {against.after_s:.1f} s"
 
 

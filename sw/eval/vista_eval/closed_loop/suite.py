@@ -130,7 +130,7 @@ HEADS = (
     "stopped",
     "detour",
     "evasions",
-    "time",
+    "km",
 )
 
 
@@ -147,7 +147,7 @@ def row_of(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
         str(sum(outcome.stops > 0 for outcome in outcomes)),
         f"{100 * median(outcome.detour for outcome in reached):.0f} %" if reached else "-",
         str(sum(outcome.evasions for outcome in outcomes)),
-        f"{sum(outcome.time_s for outcome in outcomes):.0f} s",
+        f"{sum(outcome.way_m for outcome in outcomes) / 1000:.2f}",
     )
 
 
