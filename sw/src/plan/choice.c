@@ -105,10 +105,6 @@ static bool is_in_view(const vista_plan_space *space, double angle_deg) {
   return u_px >= 0.0 && u_px <= camera->width_px - 1.0;
 }
 
-bool vista_plan_is_in_view(const vista_plan_space *space, const double direction[3]) {
-  return is_in_view(space, azimuth_deg(space, direction));
-}
-
 /* What the columns of the frame say of a level direction, as wide as the vehicle. False: it is out of view. */
 static bool ask_columns(const vista_plan_space *space, double angle_deg, double most_m, freedom *found) {
   const vista_directions *const d = &space->directions;

@@ -33,9 +33,6 @@ void vista_plan_remember(vista_planner *planner, const vista_plan_space *space, 
 void vista_plan_list(const vista_planner *planner, vista_plan_space *space, const vista_plan_state *state,
                      const vista_plan_aim *aim, vista_plan_decision *decision);
 
-/* Whether the camera looks at a level direction. */
-bool vista_plan_is_in_view(const vista_plan_space *space, const double direction[3]);
-
 /* The velocity that an option leads to. */
 void vista_plan_velocity(const vista_plan_option *option, double velocity_m_s[3]);
 

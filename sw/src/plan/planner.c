@@ -22,6 +22,7 @@
 #define HELPLESS_MOST 24 /* manoeuvres that are asked for when nothing is free */
 #define LOOK_ASIDE 0.42 /* sine of the angle by which a vehicle that flies looks aside of its way at most, */
 #define LOOK_AHEAD 0.91 /* and its cosine, */
+#define LOOKED 0.98 /* cosine of the angle to a direction that is looked at already */
 #define LOOK_SHARE 0.45 /* unless it is slower than this share of the goal's speed */
 
 vista_status vista_planner_start(vista_planner *planner, const vista_parameters *parameters) {
@@ -167,7 +168,7 @@ static void look_for(const work *w, double heading[3]) {
     double wanted[3];
     const bool unseen = o->ruling == VISTA_PLAN_BY_VIEW || o->ruling == VISTA_PLAN_BY_UNKNOWN;
     if (!unseen || !vista_plan_level(w->state->up, o->direction, wanted)) continue;
-    if (vista_plan_is_in_view(&w->space, wanted)) continue;
+    if (vista_dot(wanted, w->state->heading) > LOOKED) continue;
     memcpy(heading, wanted, sizeof wanted);
     break;
   }

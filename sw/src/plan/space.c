@@ -11,7 +11,7 @@
 
 #define NOW_SHARE \
   0.25 /* of the lines of sight that go on beyond a free place in the newest frame that has it in view */
-#define OWN_SHARE 0.5 /* of the radius, around where the vehicle has been: free */
+#define OWN_SHARE 0.5 /* of the radius, around where the vehicle has been or is committed to: free */
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
@@ -80,10 +80,27 @@ static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool mov
   return NULL;
 }
 
+static double segment_distance_m(const double from_m[3], const double to_m[3], const double point_m[3]) {
+  double along[3], apart[3], nearest_m[3];
+  for (int i = 0; i < 3; ++i) {
+    along[i] = to_m[i] - from_m[i];
+    apart[i] = point_m[i] - from_m[i];
+  }
+  const double length2 = vista_dot(along, along);
+  const double share = length2 > 0.0 ? fmin(fmax(vista_dot(along, apart) / length2, 0.0), 1.0) : 0.0;
+  for (int i = 0; i < 3; ++i) nearest_m[i] = from_m[i] + share * along[i];
+  return distance_m(nearest_m, point_m);
+}
+
+/* Where the vehicle has been, and where the plan that it is committed to leads, which was seen to be free. */
 static bool is_own(const vista_plan_space *space, const double point_m[3]) {
   const vista_planner *const p = space->planner;
+  const double near_m = OWN_SHARE * p->radius_m;
   for (int32_t k = 0; k < p->trail_count; ++k)
-    if (distance_m(p->trail_m[k], point_m) <= OWN_SHARE * p->radius_m) return true;
+    if (distance_m(p->trail_m[k], point_m) <= near_m) return true;
+  for (int32_t k = 1; p->committed && p->plan.escape_seen && k < p->plan.point_count; ++k)
+    if (segment_distance_m(p->plan.points[k - 1].position_m, p->plan.points[k].position_m, point_m) <= near_m)
+      return true;
   return false;
 }
 

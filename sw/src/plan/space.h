@@ -3,8 +3,9 @@
  * Places stand along it as far apart as the map can tell them apart, each a ball of the collision radius and twice the
  * error of the position. What the last frames show of a place is weighed as on the flight path (path_places.h), with the
  * confirmed obstacles that reach into it; and the newest frame that has it in view has to see through it, too. Where
- * the vehicle has been, and half a radius around, is free; but what ends there has to be a stop, lest what is unknown be
- * entered step by step. What moves by itself is where it will be at that time. */
+ * the vehicle has been and where it is committed to, and half a radius around, is free while nothing shows there; but
+ * what ends there has to be a stop, lest what is unknown be entered step by step. What moves by itself is where it will
+ * be at that time. */
 #ifndef VISTA_PLAN_SPACE_H
 #define VISTA_PLAN_SPACE_H
 
@@ -22,7 +23,7 @@ typedef struct vista_plan_place {
   vista_plan_ruling ruling; /* VISTA_PLAN_CHOSEN: it is free */
   int32_t obstacle_id;
   bool occupied; /* rather than unknown */
-  bool own; /* nobody sees it, but the vehicle has been there */
+  bool own; /* nobody sees it, but the vehicle has been there or is committed to it */
 } vista_plan_place;
 
 typedef struct vista_plan_looked {
