@@ -34,7 +34,8 @@ VISTA_BEGIN
 #define VISTA_PLAN_MOST_POINTS 128  /* of a trajectory, at most */
 #define VISTA_PLAN_MOST_OPTIONS 224 /* that are weighed in a decision, at most */
 #define VISTA_PLAN_TRAIL 64    /* places that the vehicle has been at, which are kept */
-#define VISTA_PLAN_SECTORS 36  /* of the circle, of which the planner keeps what it saw there */
+#define VISTA_PLAN_SECTORS 36  /* of the circle, of which the planner keeps how far they were free, */
+#define VISTA_PLAN_BLOCKS 256 /* and places at which they ended */
 
 /* The vehicle at the time of the decision, not at that of the frame. */
 typedef struct vista_plan_state {
@@ -141,10 +142,13 @@ typedef struct vista_planner {
   double wanted[3]; /* velocity that was decided last */
   int32_t trail_count, trail_next;
   double trail_m[VISTA_PLAN_TRAIL][3];
-  /* How far each direction was free when it was last in view, what ended that, and where and when that was: */
+  /* How far each direction was free when it was last in view, and where and when that was: */
   double seen_m[VISTA_PLAN_SECTORS], seen_from_m[VISTA_PLAN_SECTORS][3];
-  vista_plan_ruling seen_ends[VISTA_PLAN_SECTORS];
   int64_t seen_ns[VISTA_PLAN_SECTORS]; /* 0: never */
+  /* What ended directions, and when it was last seen; 0: it is gone. */
+  int32_t block_next;
+  double blocks_m[VISTA_PLAN_BLOCKS][3];
+  int64_t blocks_ns[VISTA_PLAN_BLOCKS];
   vista_plan_decision plan; /* the last one that was committed to */
 } vista_planner;
 

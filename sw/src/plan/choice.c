@@ -22,6 +22,9 @@
 #define ARRIVE_S 1.0 /* and no faster than what is left of the way, over this */
 #define REMEMBERED_NS INT64_C(15000000000)
 #define MOVED_SHARE 0.25 /* of how far it was free: who has moved farther knows no more of that direction */
+#define BLOCK_SHARE 0.5 /* of the radius, between two places that are kept */
+#define BLOCK_COLUMNS 3 /* from one column whose end is kept to the next */
+#define BLOCK_RISE 2.0  /* in radii: a place that is higher or lower is on another way */
 #define COLUMN_MARGIN 2 /* columns beside a direction that tell how far it is known to be free */
 #define SLOPE_MAX 0.35  /* of climbs and descents: what is steeper is out of view */
 #define UPRIGHT_LOOKS 3 /* places that are asked for on a way that climbs or descends */
@@ -166,15 +169,60 @@ static int32_t sector_of(const double up[3], const double level[3]) {
   return found;
 }
 
+/* A place at which a direction ends, in the world. */
+static void block_at(const vista_plan_space *space, int32_t k, double world_m[3]) {
+  double ahead[3], right[3], camera_m[3];
+  vista_frame_level_axes(space->directions.up_camera, ahead, right);
+  for (int i = 0; i < 3; ++i) camera_m[i] = space->blocked_m[k][0] * ahead[i] + space->blocked_m[k][1] * right[i];
+  vista_frame_to_world(&space->seen.frame->motion.pose, camera_m, world_m);
+}
+
+static double apart_m(const double a[3], const double b[3]) {
+  const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return vista_norm(apart);
+}
+
+static void remember_block(vista_planner *planner, const double world_m[3], int64_t t_ns) {
+  for (int32_t k = 0; k < VISTA_PLAN_BLOCKS; ++k) {
+    if (planner->blocks_ns[k] == 0 || apart_m(planner->blocks_m[k], world_m) > BLOCK_SHARE * planner->radius_m)
+      continue;
+    planner->blocks_ns[k] = t_ns;
+    return;
+  }
+  memcpy(planner->blocks_m[planner->block_next], world_m, sizeof planner->blocks_m[0]);
+  planner->blocks_ns[planner->block_next] = t_ns;
+  planner->block_next = (planner->block_next + 1) % VISTA_PLAN_BLOCKS;
+}
+
+/* What is seen through by now is gone. */
+static void forget_blocks(vista_planner *planner, const vista_plan_space *space) {
+  const vista_directions *const d = &space->directions;
+  double ahead[3], right[3], camera_m[3];
+  vista_frame_level_axes(d->up_camera, ahead, right);
+  for (int32_t k = 0; k < VISTA_PLAN_BLOCKS; ++k) {
+    if (planner->blocks_ns[k] == 0) continue;
+    vista_frame_to_camera(&space->seen.frame->motion.pose, planner->blocks_m[k], camera_m);
+    const double x_m = vista_dot(camera_m, ahead), y_m = vista_dot(camera_m, right);
+    const double column = floor(VISTA_DEGREES_PER_RADIAN * atan2(y_m, x_m) - VISTA_DIRECTIONS_FIRST_DEG);
+    if (!(column >= 0.0 && column < VISTA_DIRECTIONS)) continue;
+    if (d->free_m[(int32_t)column] > hypot(x_m, y_m) + planner->radius_m) planner->blocks_ns[k] = 0;
+  }
+}
+
 void vista_plan_remember(vista_planner *planner, const vista_plan_space *space, const vista_plan_state *state) {
   double first[3], second[3], level[3], cosine = 1.0, sine = 0.0;
+  forget_blocks(planner, space);
+  for (int32_t k = 0; k < space->blocked_count; k += BLOCK_COLUMNS) {
+    double world_m[3];
+    block_at(space, k, world_m);
+    remember_block(planner, world_m, state->t_ns);
+  }
   sector_axes(state->up, first, second);
   for (int32_t k = 0; k < VISTA_PLAN_SECTORS; ++k) {
     for (int i = 0; i < 3; ++i) level[i] = cosine * first[i] + sine * second[i];
     freedom found;
     if (ask_columns(space, azimuth_deg(space, level), LOOK_AHEAD_MAX_M, &found)) {
       planner->seen_m[k] = found.free_m;
-      planner->seen_ends[k] = found.ends;
       planner->seen_ns[k] = state->t_ns;
       memcpy(planner->seen_from_m[k], state->position_m, sizeof planner->seen_from_m[k]);
     }
@@ -184,18 +232,35 @@ void vista_plan_remember(vista_planner *planner, const vista_plan_space *space, 
   }
 }
 
+/* The nearest place on a level way, as wide as the vehicle, that something was seen at. */
+static freedom recall_block(const vista_planner *planner, const vista_plan_state *state, const double level[3],
+                            double most_m) {
+  freedom found = {.free_m = most_m};
+  for (int32_t k = 0; k < VISTA_PLAN_BLOCKS; ++k) {
+    if (planner->blocks_ns[k] == 0 || state->t_ns - planner->blocks_ns[k] > REMEMBERED_NS) continue;
+    double apart[3];
+    for (int i = 0; i < 3; ++i) apart[i] = planner->blocks_m[k][i] - state->position_m[i];
+    const double along_m = vista_dot(apart, level), rise_m = vista_dot(apart, state->up);
+    const double aside2 = vista_dot(apart, apart) - vista_square(along_m) - vista_square(rise_m);
+    if (along_m > 0.0 && along_m < found.free_m && fabs(rise_m) < BLOCK_RISE * planner->radius_m &&
+        aside2 < vista_square(WIDE_SHARE * planner->radius_m))
+      found = (freedom){along_m, VISTA_PLAN_BY_PLACE};
+  }
+  return found;
+}
+
+/* What is known of a level direction that is out of view. */
 static freedom recall(const vista_planner *planner, const vista_plan_state *state, const double level[3],
                       double most_m) {
-  const freedom unseen = {.ends = VISTA_PLAN_BY_VIEW};
+  const freedom block = recall_block(planner, state, level, most_m), unseen = {.ends = VISTA_PLAN_BY_VIEW};
+  if (block.ends != VISTA_PLAN_CHOSEN) return block;
   const int32_t k = sector_of(state->up, level);
   if (planner->seen_ns[k] == 0 || state->t_ns - planner->seen_ns[k] > REMEMBERED_NS) return unseen;
   double moved_m[3];
   for (int i = 0; i < 3; ++i) moved_m[i] = state->position_m[i] - planner->seen_from_m[k][i];
+  if (vista_norm(moved_m) > MOVED_SHARE * planner->seen_m[k]) return unseen;
   const double left_m = planner->seen_m[k] - vista_dot(moved_m, level);
-  if (vista_norm(moved_m) > fmax(MOVED_SHARE * planner->seen_m[k], planner->radius_m)) return unseen;
-  if (left_m >= most_m) return (freedom){.free_m = most_m};
-  return (freedom){fmax(left_m, 0.0),
-                   planner->seen_ends[k] == VISTA_PLAN_CHOSEN ? VISTA_PLAN_BY_VIEW : planner->seen_ends[k]};
+  return left_m >= most_m ? (freedom){.free_m = most_m} : (freedom){left_m, VISTA_PLAN_BY_VIEW};
 }
 
 static freedom level_freedom(const vista_planner *planner, const vista_plan_space *space, const vista_plan_state *state,
