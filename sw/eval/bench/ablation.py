@@ -1,10 +1,11 @@
 """Measure what each mechanism earns: it is switched off alone, and sampled flights are scored.
 
-usage: ablation.py DIR [--only NAME ...] [--count N] [--out FILE.json]
+usage: ablation.py DIR [--only NAME ...] [--count N] [--perfect] [--out FILE.json]
 
 DIR holds flights of `vista worlds`, split dev. mechanisms.toml, beside this program, says how each mechanism
 is switched off: by an edit of the sources of libvista, or by parameters. Each variant is a library of its
-own, and every flight is matched and its truth read once for all of them. The table has the hits, the frames
+own, and every flight is matched and its truth read once for all of them. --perfect takes the true disparities
+for those of the engine. The table has the hits, the frames
 with a false alarm, those that call the path free through something and the positions within 2 dz, each beside
 the detector as it is, and the families that win or lose. --out also writes the figures, for
 `scripts/make_tables.py --save ablation=FILE.json`.
@@ -30,12 +31,14 @@ from vista.health.finding import FrameHealth
 from vista.health.monitor import findings_of_host
 from vista.history import FrameRecord
 from vista.pipeline import Pipeline
+from vista_eval.dataset.truth import read_truth
 from vista_eval.fly import open_flight
 from vista_eval.jobs import add_place, chosen_place, exit_on_failure, jobs_of, run
 from vista_eval.metrics.flight_score import FlightScore, score_records
 from vista_eval.metrics.rules import STRICT
 from vista_eval.metrics.world_score import in_tolerance
 from vista_eval.report.table import Table, rounded, write_measurement
+from vista_eval.rivals import IN_HOST, PERFECT
 from vista_eval.worlds.sampled.catalog import DEV
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -134,26 +137,30 @@ class Matched:
     pose: Any
 
 
-def matched_frames(folder: Path, values: parameters.Values) -> tuple[Any, list[Matched], Any]:
+def matched_frames(
+    folder: Path, values: parameters.Values, perfect: bool
+) -> tuple[Any, list[Matched], Any]:
     """The rectified camera, the frames and the direction up of a flight."""
     sequence = open_flight(folder)
     chain = make_chain(sequence, "golden", values, threads=1)
+    engine = IN_HOST[PERFECT].engine_of(values, read_truth(folder)) if perfect else chain.engine
     frames = []
     for files in sequence.frames:
         raw = sequence.read(files)
         pair = chain.rectifier.rectify(raw)
-        levels = list(chain.engine.levels(pair.left, pair.right))
+        levels = list(engine.levels(pair.left, pair.right))
         frames.append(Matched(raw.index, raw.t_ns, pair.left, levels, pair.world_from_camera))
     return chain.rectifier.calibration, frames, sequence.up_world
 
 
 def fly(pipeline: Pipeline, frames: list[Matched], up_world: Any, levels: int) -> Iterator[FrameRecord]:
+    """The records of a flight; without the free directions, which no figure of the table needs."""
     for frame in frames:
         found = pipeline.process(frame.left, frame.levels[:levels], frame.t_ns, frame.pose, up_world)
         yield FrameRecord(
             found.outcome,
             found.items,
-            found.directions,
+            None,
             found.stage_ms,
             index=frame.index,
             t_ns=frame.t_ns,
@@ -190,10 +197,10 @@ def with_values(values: parameters.Values, changes: dict[str, object]) -> parame
     return changed
 
 
-def measure_flight(variants: list[Variant], folder: Path) -> dict[str, dict[str, float]]:
+def measure_flight(variants: list[Variant], perfect: bool, folder: Path) -> dict[str, dict[str, float]]:
     """Figures by variant."""
     values = parameters.defaults()
-    camera, frames, up_world = matched_frames(folder, values)
+    camera, frames, up_world = matched_frames(folder, values, perfect)
     found = {}
     for variant in variants:
         changed = with_values(values, variant.values)
@@ -273,6 +280,7 @@ def main() -> None:
     parser.add_argument(
         "--count", type=int, default=3, metavar="N", help="flights of each family (default 3)"
     )
+    parser.add_argument("--perfect", action="store_true", help="true disparities in place of the engine's")
     parser.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures")
     add_place(parser)
     arguments = parser.parse_args()
@@ -292,7 +300,7 @@ def main() -> None:
             for one in [Mechanism(AS_IT_IS), *chosen]
         ]
         place = chosen_place(arguments)
-        jobs = jobs_of(partial(measure_flight, variants), folders, lambda folder: folder.name)
+        jobs = jobs_of(partial(measure_flight, variants, arguments.perfect), folders, lambda folder: folder.name)
         measured = run(jobs, place, "measure", "flight")
     results = {folder.name: found for folder, found in zip(folders, measured, strict=True)}
     table = table_of(chosen, results)

@@ -17,7 +17,7 @@ from vista_eval.dataset.truth import FlightTruth
 from vista_eval.fly import UNDISTURBED, Disturbance, fly, judged, open_flight
 from vista_eval.metrics import free_directions
 from vista_eval.metrics.consistency import Consistency, consistency
-from vista_eval.metrics.frame_truth import FrameTruth, flight_frames, still_surfaces
+from vista_eval.metrics.frame_truth import FrameTruth, flight_frames, flight_surfaces
 from vista_eval.metrics.free_directions import NO_DIRECTIONS, FreeDirections
 from vista_eval.metrics.free_path import FrameOnPath, FreePath, free_path
 from vista_eval.metrics.judge import FrameScore, Judge
@@ -94,8 +94,7 @@ def score_records(
 ) -> FlightScore:
     """records: of every frame of the flight, in its order."""
     truth, frames = flight_frames(folder, rules)
-    still_m = still_surfaces(truth, frames, rules)
-    judge = Judge(truth, blind_depth_m(truth, values), still_m, rules)
+    judge = Judge(truth, blind_depth_m(truth, values), flight_surfaces(folder, rules), rules)
     by_time = {record.t_ns: record for record in records}
     scored: list[FrameScore] = []
     on_path: list[FrameOnPath] = []

@@ -358,6 +358,12 @@ def still_surfaces(truth: FlightTruth, frames: tuple[FrameTruth, ...], rules: Ru
     return np.asarray(np.unique(np.concatenate(cubes), axis=0) * STILL_M, np.float64)
 
 
+@functools.lru_cache(maxsize=64)
+def flight_surfaces(folder: Path, rules: Rules = PAPER) -> Array:
+    """The still surfaces of a flight on disk. Raises InputError."""
+    return still_surfaces(*flight_frames(folder, rules), rules)
+
+
 def thinned(points: Points) -> NDArray[np.bool_]:
     """Which points to keep: all of small things; of large ones every ninth and where rows and columns begin,
     since a large thing may have thin parts (the pole below a sign)."""
