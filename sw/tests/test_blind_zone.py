@@ -49,19 +49,6 @@ def grainy(random: np.random.Generator, grain_px: float, contrast: float = 40.0)
     return 120.0 + contrast * wall / wall.std()
 
 
-def windows(random: np.random.Generator, period_px: int) -> np.ndarray:
-    """A facade: windows of about one darkness, their frames, and plaster."""
-    wall = np.full((HEIGHT, WIDTH + 160), 170.0)
-    width, height = round(0.45 * period_px), round(0.75 * period_px)
-    for v in range(5, HEIGHT, round(1.3 * period_px)):
-        for u in range(3, WIDTH + 160, period_px):
-            wall[v : v + height, u : u + width] = 50.0 + random.normal(0.0, 15.0)
-            wall[v : v + height, u + width // 2 : u + width // 2 + 1] = 200.0
-            wall[v + height // 2 : v + height // 2 + 1, u : u + width] = 200.0
-    plaster = cv2.GaussianBlur(random.normal(size=wall.shape), (0, 0), 1.5)
-    return cv2.GaussianBlur(wall + 1.5 * plaster / plaster.std(), (0, 0), 0.7)
-
-
 def pair(
     random: np.random.Generator, wall: np.ndarray, shift_px: float, sigma: float = 2.0
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -124,59 +111,6 @@ def test_a_wall_that_is_too_near_is_noticed_under_noise(grain_px: float, sigma: 
     watch = Watch()
     watch.look(left, disparity(left, right))
     assert watch.state.window == 1
-
-
-@pytest.mark.parametrize("sigma", [2.0, 8.0])
-@pytest.mark.parametrize(
-    ("period_px", "shift_px"), [(14, 10.3), (14, 23.4), (20, 10.3), (30, 23.4), (45, 10.3)]
-)
-def test_windows_that_repeat_are_not_nearer_than_they_are(
-    period_px: int, shift_px: float, sigma: float
-) -> None:
-    """A facade 20 or 44 m away, which the uniqueness test of the engine empties."""
-    random = seeded(7)
-    left, right = pair(random, windows(random, period_px), shift_px, sigma)
-    watch = Watch()
-    watch.look(left, disparity(left, right))
-    assert watch.state.unmatched_fraction >= 0.9
-    assert watch.state.repeated_fraction > 0.7
-    assert watch.state.window == 0
-
-
-def test_a_fence_before_it_does_not_silence_a_wall_that_is_too_near() -> None:
-    """What repeats on less than half of the view explains the rest of it not."""
-    random = seeded(8)
-    wall = grainy(random, 2.0)
-    wall[: HEIGHT // 3] = windows(random, 20)[: HEIGHT // 3]
-    left, right = pair(random, wall, 100.0)
-    watch = Watch()
-    watch.look(left, disparity(left, right))
-    assert 0.1 < watch.state.repeated_fraction < 0.5
-    assert watch.state.window == 1
-
-
-def test_texture_is_not_searched_for_repeats_without_need() -> None:
-    random = seeded(7)
-    left, _ = pair(random, windows(random, 20), 10.0)
-    watch = Watch()
-    watch.look(left, np.full(left.shape, 160, np.int16))
-    assert (watch.state.unmatched_fraction, watch.state.repeated_fraction) == (0.0, 0.0)
-
-
-@pytest.mark.parametrize("candidates", [16, 32, 128, 256])
-def test_windows_repeat_whatever_the_engine_s_range(candidates: int) -> None:
-    """Also where candidates, and with them the unmatched margin, are wider than the search."""
-    random = seeded(9)
-    left, _ = pair(random, windows(random, 15 if candidates == 16 else 25), 10.0)
-    area = {
-        "disparity_max_px": candidates - 1.0,
-        "margin_left_px": candidates - 1.0 + BLOCK // 2,
-    }
-    watch = Watch()
-    watch.look(left, np.full(left.shape, INVALID, np.int16), **area)
-    assert watch.state.unmatched_fraction == 1.0
-    assert watch.state.repeated_fraction > 0.7
-    assert watch.state.range_m == pytest.approx(FOCAL * BASELINE / (candidates - 1))
 
 
 @pytest.mark.skipif(not SHARED_DATA.is_dir(), reason="no shared data")

@@ -25,7 +25,6 @@ from track_library import flight_path, motion, pose
 LENGTH_M = 55.0  # no farther than disparities say something
 FIRST_RADII = 2.0  # of path_places.c
 FIRST_M = FIRST_RADII * RADIUS_M
-WIDEST_M = 4.0  # of path_places.c
 RANGED_M = 30.0  # Up to here the range of what nobody tracks is known well enough to warn of it.
 FAR = scene(ground_y_m=8.0)  # ground far below the path, and the sky
 
@@ -39,7 +38,7 @@ class Places:
 
     def judge(self, *obstacles) -> Places:
         items = ffi.new("vista_obstacle[]", list(obstacles))
-        lib.vista_path_places_judge(self.space.frame, items, len(obstacles), self.handle)
+        lib.vista_path_places_judge(items, len(obstacles), self.handle)
         return self
 
     @property
@@ -280,19 +279,10 @@ def test_a_distance_is_as_likely_occupied_as_the_likeliest_place_there() -> None
     assert np.isnan(lib.vista_path_places_probability(places.handle, LENGTH_M + 20.0))
 
 
-def test_a_thing_is_beside_the_path_within_the_radius_and_half_its_width() -> None:
-    """What is wider than 4 m has its middle elsewhere."""
-    for width_m in (0.1, 1.0, 3.0, 30.0):
-        limit_m = RADIUS_M + 0.5 * min(width_m, WIDEST_M)
-        for x_m, beside in ((limit_m - 0.01, True), (limit_m + 0.01, False)):
-            item = obstacle(20.0, x_m, extent_m=[width_m, 1.0], in_collision_volume=False)
-            assert places_of(UNMATCHED, item).at(20.0).beside == beside
-
-
 def test_more_evidence_is_never_less_probability() -> None:
     """Any two places of which one has all that the other has are compared."""
     random = seeded(4)
-    flags, counts = ("thing", "beside", "ground"), ("votes", "feet")
+    flags, counts = ("thing", "ground"), ("votes", "feet")
     space = Space()
     space.take(UNMATCHED, 0.0, length_m=LENGTH_M)
     for _ in range(100):

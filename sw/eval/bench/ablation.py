@@ -137,9 +137,7 @@ class Matched:
     pose: Any
 
 
-def matched_frames(
-    folder: Path, values: parameters.Values, perfect: bool
-) -> tuple[Any, list[Matched], Any]:
+def matched_frames(folder: Path, values: parameters.Values, perfect: bool) -> tuple[Any, list[Matched], Any]:
     """The rectified camera, the frames and the direction up of a flight."""
     sequence = open_flight(folder)
     chain = make_chain(sequence, "golden", values, threads=1)
@@ -300,7 +298,9 @@ def main() -> None:
             for one in [Mechanism(AS_IT_IS), *chosen]
         ]
         place = chosen_place(arguments)
-        jobs = jobs_of(partial(measure_flight, variants, arguments.perfect), folders, lambda folder: folder.name)
+        jobs = jobs_of(
+            partial(measure_flight, variants, arguments.perfect), folders, lambda folder: folder.name
+        )
         measured = run(jobs, place, "measure", "flight")
     results = {folder.name: found for folder, found in zip(folders, measured, strict=True)}
     table = table_of(chosen, results)

@@ -15,6 +15,7 @@ from random_seed import seeded
 from vista import parameters
 from vista.geometry import Calibration
 from vista_eval.metrics import scoring_log
+from vista_eval.training import affinity
 from vista_eval.training.evidence import (
     EMPTY,
     OCCUPIED,
@@ -92,7 +93,11 @@ def test_both_layouts_of_truth_say_the_same(tmp_path: Path) -> None:
 def evidence(truth: list[int], **columns: list) -> FlightEvidence:
     """Evidence of one frame, with places 10 m apart from 10 m on."""
     n = len(truth)
-    usual = {"frame": [0] * n, "along_m": [10.0 * (k + 1) for k in range(n)], "pieces": [[0.0] * 6] * n}
+    usual = {
+        "frame": [0] * n,
+        "along_m": [10.0 * (k + 1) for k in range(n)],
+        "pieces": [[0.0] * len(PIECES)] * n,
+    }
     usual |= {"known": [True] * n, "told": [0.0] * n, "truth": truth, "reach_m": [1.0] * n}
     return from_json({"name": "made", "family": "made"} | usual | columns)
 
@@ -167,8 +172,39 @@ def test_from_flights_to_the_header(
     figures = json.loads((tmp_path / "out" / "space-odds.json").read_text())["figures"]
     assert [family["name"] for family in figures["families"]] == ["sign", "wall"]
     assert "truly occupied" in (tmp_path / "out" / "space-odds.html").read_text()
+    weights = json.loads((tmp_path / "out" / "affinity-weights.json").read_text())["figures"]
+    assert (weights["flights"], sorted(weights["weight_by_family"])) == (2, ["sign", "wall"])
 
 
 def test_a_flight_of_the_split_test_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     disk.write_flight(tmp_path / "held", frames=3, split="test")
     assert_refused(call(capsys, "train", tmp_path / "out", tmp_path / "held", "--jobs", 1), "split test")
+
+
+def pairs(intensity: list[float], same: list[int], family: str) -> affinity.FlightPairs:
+    n = len(same)
+    columns = {"disparity_px": [0.0] * n, "nearest_px": [10.0] * n, "distance_px": [3.0] * n}
+    return affinity.from_json(
+        {"name": "made", "family": family, "intensity": intensity, "same": same} | columns
+    )
+
+
+def test_the_object_of_a_cell_is_what_nearly_all_of_its_pixels_show() -> None:
+    label, cells = np.repeat([3, 0, 3, 1], (9, 1, 8, 2))[np.newaxis], np.repeat([0, 2], 10)[np.newaxis]
+    assert affinity.object_of_cells(label, cells, 3).tolist() == [3, -1, -1]
+
+
+def test_the_feature_that_tells_objects_apart_gets_the_weight() -> None:
+    """Objects differ in intensity, and not in disparity, in three families."""
+    random = seeded(11)
+    flights = []
+    for family in "abc":
+        same = random.integers(0, 2, 300)
+        intensity = np.where(same, random.uniform(0.0, 4.0, 300), random.uniform(20.0, 60.0, 300))
+        flights.append(pairs(intensity.tolist(), same.tolist(), family))
+    found = affinity.learn(flights, parameters.defaults())
+    ways = {way.name: way for way in found.ways}
+    assert ways["disparity alone"].log_loss == pytest.approx(np.log(2.0), abs=0.02)
+    assert max(way.wrong for name, way in ways.items() if name != "disparity alone") < 0.02
+    assert found.weight_of_intensity > 0.9
+    assert set(found.weight_by_family) == set("abc")

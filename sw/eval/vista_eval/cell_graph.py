@@ -17,6 +17,7 @@ class CellGraph:
 
     edges: NDArray[np.int32]  # (edges, 2) cells
     affinity: NDArray[np.float32]  # (edges,) w_ij, 0 .. 1
+    edge_distance_px: NDArray[np.float32]  # (edges,) between the centres of its cells
     horizontal: NDArray[np.bool_]  # (cells,) on a surface to fly along
     cell_size_px: NDArray[np.float32]  # (cells,) width
     cell_center_px: NDArray[np.float32]  # (cells, 2) u, v
@@ -49,6 +50,7 @@ class OpenPipeline(Pipeline):
         return CellGraph(
             np.stack([tail[once], head[once]], axis=1),
             self._array(stages.affinity.weight, arcs, np.float32)[once],
+            self._array(f.arc_distance_px, arcs, np.float32)[once],
             self._array(stages.surfaces.horizontal, cells, np.uint8) != 0,
             self._array(f.size_px, cells, np.float32),
             np.stack([self._array(center, cells, np.float32) for center in (f.center_u, f.center_v)], axis=1),

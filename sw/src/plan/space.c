@@ -109,7 +109,7 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   const vista_obstacle *const thing = obstacle_at(space, false, point_m, 0.0);
   vista_path_place place = {.shown = vista_space_map_look_around(space->seen.space, point_m, space->radius_m)};
   if (thing != NULL && thing->kind == VISTA_OBSTACLE_GROUND) place.ground = true;
-  if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = place.beside = true;
+  if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = true;
   place.probability = vista_path_place_probability(&place);
   const bool in_view = place.shown.frames > 0, occupied = vista_path_place_is_occupied(&place);
   if (in_view && vista_path_place_is_free_now(&place)) return (vista_plan_place){.ruling = VISTA_PLAN_CHOSEN};

@@ -73,7 +73,7 @@ static bool look(const view *v, const double direction[3], int32_t column, doubl
     shown->votes = shown->votes * VISTA_SPACE_FRAMES / shown->frames;
     shown->feet = shown->feet * VISTA_SPACE_FRAMES / shown->frames;
   }
-  place->thing = place->beside = v->thing_m[column] <= along_m + place->reach_m;
+  place->thing = v->thing_m[column] <= along_m + place->reach_m;
   place->ground = v->ground_m[column] <= along_m + place->reach_m;
   place->probability = vista_path_place_probability(place);
   return vista_path_place_is_free_now(place);

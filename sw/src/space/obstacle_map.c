@@ -171,7 +171,7 @@ static bool is_told(const vista_obstacle_map *map, const vista_frame_view *frame
 /* What stands in the way is what the places on the path bear out. What moves is not where the frames saw it. */
 static void ask_places(vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input) {
   vista_path_places *const places = input->places;
-  vista_path_places_judge(frame, map->obstacles, map->count, places);
+  vista_path_places_judge(map->obstacles, map->count, places);
   for (int32_t i = 0; i < map->count; ++i) {
     vista_obstacle *const o = &map->obstacles[i];
     if (o->kind != VISTA_OBSTACLE_THING || !o->in_collision_volume || o->world == VISTA_WORLD_MOVES) continue;

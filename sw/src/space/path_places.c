@@ -18,7 +18,6 @@
 /* A place that is more likely occupied is not free. Of places that are given as much, half are occupied on families held
  * back: what two frames of six see there is rarely nothing. */
 #define FREE 0.3
-#define WIDEST_M 4.0 /* of a thing that is beside the path: what is wider has its middle elsewhere */
 
 /* Half of the two disparities by which a range may be wrong, no less than the places are apart. */
 double vista_path_place_reach_m(const vista_camera *camera, double along_m) {
@@ -48,25 +47,14 @@ void vista_path_places_look(const vista_frame_view *frame, const vista_space_map
   }
 }
 
-static bool is_beside(const vista_frame_view *frame, const vista_obstacle *obstacle) {
-  const double half_m = 0.5 * fmin(obstacle->extent_m[0], WIDEST_M);
-  return vista_flight_path_distance(&frame->path, obstacle->position_m) <
-         frame->params->obstacle_map.collision_radius_m + half_m;
-}
-
 /* What an obstacle says of the places at its range. */
-static void tell(const vista_frame_view *frame, const vista_obstacle *obstacle, vista_path_places *places) {
+static void tell(const vista_obstacle *obstacle, vista_path_places *places) {
   if (!obstacle->confirmed || obstacle->kind == VISTA_OBSTACLE_TOO_NEAR) return;
-  const bool beside = is_beside(frame, obstacle);
   for (int32_t k = 0; k < places->count; ++k) {
     vista_path_place *const place = &places->items[k];
     if (fabs(place->along_m - obstacle->distance_m) > place->reach_m) continue;
-    if (obstacle->kind == VISTA_OBSTACLE_GROUND) {
-      place->ground |= obstacle->in_collision_volume;
-    } else {
-      place->thing |= obstacle->in_collision_volume;
-      place->beside |= beside;
-    }
+    bool *const told = obstacle->kind == VISTA_OBSTACLE_GROUND ? &place->ground : &place->thing;
+    *told |= obstacle->in_collision_volume;
   }
 }
 
@@ -75,7 +63,6 @@ void vista_path_place_pieces(const vista_path_place *place, double pieces[VISTA_
   const double votes = fmin(shown->votes, FRAMES_FULL) / FRAMES_FULL,
                feet = fmin(shown->feet, FRAMES_FULL) / FRAMES_FULL;
   pieces[VISTA_PIECE_THING] = place->thing;
-  pieces[VISTA_PIECE_BESIDE] = place->beside;
   pieces[VISTA_PIECE_GROUND] = place->ground;
   pieces[VISTA_PIECE_VOTES] = votes;
   pieces[VISTA_PIECE_FEET] = fmax(feet - votes, 0.0);
@@ -83,10 +70,11 @@ void vista_path_place_pieces(const vista_path_place *place, double pieces[VISTA_
 }
 
 double vista_path_place_probability(const vista_path_place *place) {
-  static const double weights[VISTA_PIECE_COUNT] = {
-      [VISTA_PIECE_THING] = VISTA_ODDS_THING,   [VISTA_PIECE_BESIDE] = VISTA_ODDS_BESIDE,
-      [VISTA_PIECE_GROUND] = VISTA_ODDS_GROUND, [VISTA_PIECE_VOTES] = VISTA_ODDS_VOTES,
-      [VISTA_PIECE_FEET] = VISTA_ODDS_FEET,     [VISTA_PIECE_NOT_BEYOND] = VISTA_ODDS_NOT_BEYOND};
+  static const double weights[VISTA_PIECE_COUNT] = {[VISTA_PIECE_THING] = VISTA_ODDS_THING,
+                                                    [VISTA_PIECE_GROUND] = VISTA_ODDS_GROUND,
+                                                    [VISTA_PIECE_VOTES] = VISTA_ODDS_VOTES,
+                                                    [VISTA_PIECE_FEET] = VISTA_ODDS_FEET,
+                                                    [VISTA_PIECE_NOT_BEYOND] = VISTA_ODDS_NOT_BEYOND};
   double pieces[VISTA_PIECE_COUNT];
   vista_path_place_pieces(place, pieces);
   double sum = VISTA_ODDS_PRIOR;
@@ -94,9 +82,8 @@ double vista_path_place_probability(const vista_path_place *place) {
   return 1.0 / (1.0 + exp(-sum));
 }
 
-void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle *obstacles, int32_t count,
-                             vista_path_places *places) {
-  for (int32_t i = 0; i < count; ++i) tell(frame, &obstacles[i], places);
+void vista_path_places_judge(const vista_obstacle *obstacles, int32_t count, vista_path_places *places) {
+  for (int32_t i = 0; i < count; ++i) tell(&obstacles[i], places);
   for (int32_t k = 0; k < places->count; ++k)
     places->items[k].probability = vista_path_place_probability(&places->items[k]);
 }

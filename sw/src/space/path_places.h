@@ -1,7 +1,7 @@
 /* Places along the flight path: what the map of space shows of each, and how likely something is in the way there.
  *
  * The evidence of a place is what the last frames matched at it, what of it they saw through, what without texture
- * stands there, and the tracks: a thing in the volume at its range, a confirmed thing beside it, the ground. Each piece
+ * stands there, and the tracks: a thing in the volume at its range, the ground. Each piece
  * adds to the log-odds that the place is occupied (space_odds.h), whichever track, region or line brought it. So a wall
  * whose pieces change tracks from frame to frame is still one place in the way.
  *
@@ -26,7 +26,6 @@
 /* The pieces of evidence, each 0 to 1, as the odds weigh them. */
 typedef enum vista_place_piece {
   VISTA_PIECE_THING = 0,
-  VISTA_PIECE_BESIDE,
   VISTA_PIECE_GROUND,
   VISTA_PIECE_VOTES,      /* frames in which something is matched at the place, of five; more tell no more */
   VISTA_PIECE_FEET,       /* the same for something without texture that stands there, less those votes */
@@ -40,7 +39,6 @@ typedef struct vista_path_place {
   double reach_m;     /* What is told at a range that differs by less is at this place. */
   vista_place_evidence shown;
   bool thing;  /* a confirmed thing that is in the collision volume by itself */
-  bool beside; /* a confirmed thing, within the volume's radius and half of its own width */
   bool ground; /* that the path meets */
   double probability; /* that the place is occupied */
 } vista_path_place;
@@ -54,8 +52,7 @@ typedef struct vista_path_places {
 void vista_path_places_look(const vista_frame_view *frame, const vista_space_map *map, vista_path_places *places);
 
 /* Adds what the obstacles of the frame say, and sets the probabilities. */
-void vista_path_places_judge(const vista_frame_view *frame, const vista_obstacle *obstacles, int32_t count,
-                             vista_path_places *places);
+void vista_path_places_judge(const vista_obstacle *obstacles, int32_t count, vista_path_places *places);
 
 /* What is known of a place, for the odds and for learning them. */
 void vista_path_place_pieces(const vista_path_place *place, double pieces[VISTA_PIECE_COUNT]);

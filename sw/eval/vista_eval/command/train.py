@@ -6,8 +6,11 @@ is refused. Each is flown, and all places on its path give their evidence and wh
 kept in DIR is not flown again. A family of flights weighs as much as any other. What the odds are worth is
 said of each family by odds that it had no part in.
 
-The tables are printed. DIR receives space-odds.json and space-odds.html; the checkout receives
-sw/src/space/space_odds.h, unless --dry-run is given.
+The flights with labels of objects also show how well the affinity of neighbouring cells (the paper's equation
+3) tells one object from two, and what other weights would make of the same features.
+
+The tables are printed. DIR receives space-odds.json and affinity-weights.json, each with a page; the checkout
+receives sw/src/space/space_odds.h, unless --dry-run is given.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ from vista.command.arguments import add_config, load_parameters
 from vista.errors import EXIT_OK, InputError
 from vista.output import write_atomically
 
-from vista_eval.dataset.truth import TRUTH
+from vista_eval.dataset.truth import TRUTH, has_labels
 from vista_eval.jobs import add_place, chosen_place
 
 
@@ -42,7 +45,8 @@ def execute(arguments: argparse.Namespace) -> int:
         raise InputError("FLIGHTS", "none of these folders holds a flight with its truth")
     from vista_eval.metrics.scoring_log import checkout_of
     from vista_eval.score import score
-    from vista_eval.suites.space_odds import SpaceOdds  # loads libvista, which `--help` need not
+    from vista_eval.suites.affinity_weights import AffinityWeights  # loads libvista, which `--help` need not
+    from vista_eval.suites.space_odds import SpaceOdds
     from vista_eval.training.odds import HEADER, Odds, header
 
     def write(odds: Odds) -> None:
@@ -50,10 +54,12 @@ def execute(arguments: argparse.Namespace) -> int:
         write_atomically(path, header(odds))
         print(f"written: {path}\n")
 
-    suite = SpaceOdds(folders, place.known_to_all(arguments.folder) / "evidence")
-    if not arguments.dry_run:
-        suite = SpaceOdds(suite.folders, suite.cache, write)
+    cache = place.known_to_all(arguments.folder) / "evidence"
+    suite = SpaceOdds(folders, cache) if arguments.dry_run else SpaceOdds(folders, cache, write)
     score(suite, arguments.folder, values, place)
+    labelled = [folder for folder in folders if has_labels(folder)]
+    if labelled:
+        score(AffinityWeights(labelled, cache), arguments.folder, values, place)
     return EXIT_OK
 
 

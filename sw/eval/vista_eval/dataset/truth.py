@@ -39,6 +39,11 @@ def truth_path(flight: Path, kind: str, t_ns: int) -> Path:
     return flight / "truth" / kind / f"{t_ns}.{'json' if kind == 'objects' else 'png'}"
 
 
+def has_labels(flight: Path) -> bool:
+    """Whether the truth says which object each pixel shows; that of others does not."""
+    return (flight / "truth" / "label").is_dir()
+
+
 # ---- writer ----
 
 

@@ -21,7 +21,7 @@ from vista_eval.fly import flight_digest, open_flight
 from vista_eval.training.path_truth import PathTruth, path_truth
 
 OCCUPIED, EMPTY, UNTOLD = 1, 0, -1
-PIECES = ("THING", "BESIDE", "GROUND", "VOTES", "FEET", "NOT_BEYOND")  # as vista_place_piece numbers them
+PIECES = ("THING", "GROUND", "VOTES", "FEET", "NOT_BEYOND")  # as vista_place_piece numbers them
 # How near a true point is for its place to be occupied, in depths of one disparity, and no less than that.
 OCCUPIED_DZ, OCCUPIED_M = 0.6, 0.75
 EMPTY_FACTOR = 1.5  # of what a distance may be wrong, without anything for a place to be empty

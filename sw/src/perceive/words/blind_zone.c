@@ -13,20 +13,7 @@
 #define UNMATCHED_FRACTION 0.9
 /* The same in sigmas of the image's noise; the larger of the two holds: of pure noise, one pixel in 200 exceeds 4. */
 #define TEXTURE_NOISE 4.0
-/* Nothing is said when this share of the unmatched texture repeats itself along its rows, as windows do. */
-#define REPEATED_FRACTION 0.5
 #define ROW_STEP 2 /* neighbouring rows say the same */
-
-/* The search for texture that repeats itself, which only a frame in question takes. */
-#define REPEAT_ROWS 12 /* rows that are searched, over the height of the disc */
-#define REPEAT_SHIFT_PX 63 /* farthest shift */
-#define REPEAT_LINES 3 /* of a block that are compared: its first, middle and last */
-#define REPEAT_COLUMNS 256 /* columns that are treated at once */
-#define REPEAT_RADIUS_PX 15 /* of a block; engines have 2 to 10 */
-#define REPEAT_SHARE 10 /* a block is back when it differs by less than 3 tenths of what it differed by in between */
-#define REPEAT_PARTS 3
-#define REPEAT_SIGNAL 3 /* what it differed by is at least so many times what noise alone makes */
-#define NOISE_DIFFERENCE 1.128 /* mean difference of two pixels, in sigmas of normal noise */
 
 typedef struct counts {
   int64_t pixels, textured, unmatched;
@@ -89,63 +76,6 @@ static counts count_disc(const disc_view *disc, int32_t contrast, const vista_im
   return sum;
 }
 
-/* Marks which of `count` blocks, centred in this row from column `first` on, come back within `shifts` px to the left:
- * they differ from what lies there by little, after they differed from what lies between by much. noise: what two
- * equal blocks differ by. */
-static void find_repeats(const vista_image *image, int32_t v, int32_t first, int32_t count, int32_t radius,
-                         int32_t shifts, int32_t noise, uint8_t repeats[REPEAT_COLUMNS]) {
-  uint16_t difference[REPEAT_COLUMNS + 2 * REPEAT_RADIUS_PX];
-  uint16_t most[REPEAT_COLUMNS] = {0};
-  for (int32_t k = 0; k < count; ++k) repeats[k] = 0;
-  for (int32_t shift = 1; shift <= shifts; ++shift) {
-    for (int32_t line = 0; line < REPEAT_LINES; ++line) {
-      const uint8_t *const here = image->data + (v + (line - 1) * radius) * image->stride + first - radius;
-      const uint8_t *const there = here - shift;
-      for (int32_t k = 0; k < count + 2 * radius; ++k) {
-        const int16_t step = (int16_t)(here[k] - there[k]);
-        difference[k] = (uint16_t)((line == 0 ? 0 : difference[k]) + (step < 0 ? -step : step));
-      }
-    }
-    uint16_t block[REPEAT_COLUMNS] = {0}; /* at most 3 * 31 * 255 */
-    for (int32_t i = 0; i <= 2 * radius; ++i)
-      for (int32_t k = 0; k < count; ++k) block[k] = (uint16_t)(block[k] + difference[k + i]);
-    for (int32_t k = 0; k < count; ++k) {
-      const bool signal = most[k] > REPEAT_SIGNAL * noise;
-      repeats[k] |= signal & ((block[k] - noise) * REPEAT_SHARE < (most[k] - noise) * REPEAT_PARTS);
-      most[k] = block[k] > most[k] ? block[k] : most[k];
-    }
-  }
-}
-
-/* The share of the textured pixels without a match whose surroundings repeat within the engine's candidates. */
-static double repeated_fraction(const disc_view *disc, const vista_frame_view *frame, int32_t contrast) {
-  const vista_matched_area *const matched = &frame->matched;
-  const vista_image *const image = &frame->image;
-  const vista_disparity_image *const disparity = &frame->words;
-  const int32_t radius = (int32_t)fmin(matched->margin_px, REPEAT_RADIUS_PX);
-  const int32_t shifts = (int32_t)fmin(fmin(matched->disparity_max_px, REPEAT_SHIFT_PX), disc->left - radius);
-  const int32_t block_noise = (int32_t)(NOISE_DIFFERENCE * frame->noise.sigma * REPEAT_LINES * (2 * radius + 1));
-  const int32_t step = (disc->v_last - disc->v_first) / REPEAT_ROWS + 1;
-  int64_t unmatched = 0, repeated = 0;
-  for (int32_t v = disc->v_first + step / 2; v <= disc->v_last; v += step) {
-    const span row = span_at(disc, v);
-    const uint8_t *const grey = image->data + v * image->stride;
-    const int16_t *const words = disparity->data + v * disparity->stride;
-    for (int32_t first = row.first; first <= row.last; first += REPEAT_COLUMNS) {
-      const int32_t count = row.last - first < REPEAT_COLUMNS ? row.last - first + 1 : REPEAT_COLUMNS;
-      uint8_t repeats[REPEAT_COLUMNS];
-      find_repeats(image, v, first, count, radius, shifts, block_noise, repeats);
-      for (int32_t k = 0; k < count; ++k) {
-        const int32_t u = first + k;
-        const bool counts = abs(grey[u + 1] - grey[u - 1]) >= contrast && !vista_word_agrees(words, u, disc->block);
-        unmatched += counts;
-        repeated += counts && repeats[k];
-      }
-    }
-  }
-  return unmatched > 0 ? (double)repeated / (double)unmatched : 0.0;
-}
-
 void vista_blind_zone_update(const vista_frame_view *frame, vista_blind_zone *blind_zone) {
   const vista_blind_zone_params *const params = &frame->params->blind_zone;
   const vista_camera *const camera = frame->camera;
@@ -159,9 +89,7 @@ void vista_blind_zone_update(const vista_frame_view *frame, vista_blind_zone *bl
   s->range_m = camera->focal_px * camera->baseline_m / matched->disparity_max_px;
   s->textured_fraction = sum.pixels > 0 ? (double)sum.textured / (double)sum.pixels : 0.0;
   s->unmatched_fraction = sum.textured > 0 ? (double)sum.unmatched / (double)sum.textured : 0.0;
-  const bool in_question = s->textured_fraction >= TEXTURED_FRACTION && s->unmatched_fraction >= UNMATCHED_FRACTION;
-  s->repeated_fraction = in_question ? repeated_fraction(&disc, frame, contrast) : 0.0;
-  const bool now = in_question && s->repeated_fraction < REPEATED_FRACTION;
+  const bool now = s->textured_fraction >= TEXTURED_FRACTION && s->unmatched_fraction >= UNMATCHED_FRACTION;
   s->window = s->window << 1 | (uint32_t)now;
   s->occupied = vista_window_count(s->window, params->confirm_window) >= params->confirm_hits;
 }

@@ -5,12 +5,7 @@
  * a wall ahead at power-up, a curtain of leaves after a turn, shows as texture that is not matched where the collision
  * volume enters the blind zone: a disc of radius_m at that range around the principal point.
  *
- * What has another reason to be unmatched says nothing of the range, and is told apart:
- * - Sky and bare walls have no texture: it takes a contrast above the image's own noise.
- * - Texture that repeats itself within the engine's candidates, windows or railings at any range, is ambiguous, and the
- *   engine's uniqueness test rejects it. The left image alone shows that: a block of it comes back, shifted along its
- *   row, after it differed from what lies between. When most of the unmatched texture does, nothing is reported.
- * By chance the engine matches up to half of what it should not: a word counts when another one agrees (agreement.h).
+ * Sky and bare walls have no texture and say nothing: it takes a contrast above the image's own noise. By chance the engine matches up to half of what it should not: a word counts when another one agrees (agreement.h).
  */
 #ifndef VISTA_BLIND_ZONE_H
 #define VISTA_BLIND_ZONE_H
@@ -23,7 +18,6 @@
 typedef struct vista_blind_zone {
   double textured_fraction;  /* of the pixels of the disc, within the matched part of the image */
   double unmatched_fraction; /* of these, not matched; 0 if there are none */
-  double repeated_fraction;  /* of what is not matched, repeats itself; looked for only if all else speaks for it */
   uint32_t window;           /* the last 32 frames, bit 0 the newest, 1 = hardly any texture is matched */
   bool occupied;            /* it was in confirm_hits of the last confirm_window frames */
   double range_m;            /* upper bound of the range of what is in the way */
