@@ -40,7 +40,7 @@ void vista_watch_layout(vista_watch *w, vista_arena *arena, const vista_camera *
 
 void vista_watch_reset(vista_watch *w) {
   vista_coherence_reset(&w->coherence);
-  w->began = w->posed = w->was_found = false;
+  w->began = w->posed = w->was_found = w->refused = false;
   w->passed_s = 0.0;
   w->doubted = w->restarted = w->jumped = 0;
 }
@@ -158,6 +158,15 @@ static uint32_t held(int32_t *frames, bool found, vista_health_reason reason) {
   return *frames > 0 ? bit(reason) : 0;
 }
 
+/* Whether a pose is believed that does not go on where the one before, which was refused, was carried on to. */
+static bool is_elsewhere(const vista_watch *w, const vista_motion *motion, double passed_s) {
+  if (!w->refused || motion->source != VISTA_MOTION_POSE) return false;
+  double off_m[3];
+  for (int i = 0; i < 3; ++i)
+    off_m[i] = motion->pose.translation_m[i] - w->pose.translation_m[i] - w->velocity_m_s[i] * passed_s;
+  return vista_norm(off_m) > STEP_M + STEP_SHARE * vista_norm(w->velocity_m_s) * passed_s;
+}
+
 void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image *right, const vista_result *result,
                       int64_t t_ns, vista_watched *found) {
   const vista_motion *const motion = &result->motion;
@@ -178,11 +187,14 @@ void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image
   const double passed_s = w->began ? vista_seconds_between(w->t_ns, t_ns) : 0.0;
   const bool gap = w->passed_s > 0.0 && passed_s > fmax(GAP_S, GAP_TIMES * w->passed_s);
   found->reasons |= held(&w->jumped, gap, VISTA_HEALTH_TIME_JUMP);
-  found->reasons |= held(&w->restarted, motion->restarted, VISTA_HEALTH_POSE_JUMP);
+  const bool anew = motion->restarted || is_elsewhere(w, motion, passed_s);
+  found->reasons |= held(&w->restarted, anew, VISTA_HEALTH_POSE_JUMP);
   w->began = true;
   w->t_ns = t_ns;
   w->passed_s = passed_s;
   w->had_right = right->data != NULL;
   w->posed = posed;
   w->pose = motion->pose;
+  w->refused = motion->source == VISTA_MOTION_REFUSED;
+  memcpy(w->velocity_m_s, motion->velocity_m_s, sizeof w->velocity_m_s);
 }

@@ -28,6 +28,8 @@ typedef struct vista_watch {
   bool began;
   bool had_right;
   bool posed;
+  bool refused; /* the pose of the pair before was */
+  double velocity_m_s[3];
   vista_pose pose; /* of the pair before */
   bool was_found; /* most points were where the poses said */
   int64_t t_ns;
