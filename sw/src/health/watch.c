@@ -42,7 +42,7 @@ void vista_watch_reset(vista_watch *w) {
   vista_coherence_reset(&w->coherence);
   w->began = w->posed = w->was_found = w->refused = false;
   w->passed_s = 0.0;
-  w->doubted = w->restarted = w->jumped = 0;
+  w->doubted = w->restarted = w->jumped = w->differed = 0;
 }
 
 void vista_watch_time_went_back(vista_watch *w) { w->jumped = HELD + 1; }
@@ -165,6 +165,10 @@ static bool is_elsewhere(const vista_watch *w, const vista_motion *motion, doubl
   for (int i = 0; i < 3; ++i)
     off_m[i] = motion->pose.translation_m[i] - w->pose.translation_m[i] - w->velocity_m_s[i] * passed_s;
   return vista_norm(off_m) > STEP_M + STEP_SHARE * vista_norm(w->velocity_m_s) * passed_s;
+}
+
+bool vista_watch_words(vista_watch *w, bool differ) {
+  return held(&w->differed, differ, VISTA_HEALTH_WORDS_DIFFER) == 0;
 }
 
 void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image *right, const vista_result *result,

@@ -35,6 +35,7 @@ typedef struct vista_watch {
   int64_t t_ns;
   double passed_s; /* between the two pairs before */
   int32_t jumped; /* frames for which the times are still too new */
+  int32_t differed; /* frames for which words that were not compared are not trusted either */
   int32_t doubted; /* frames for which the motion is still doubted */
   int32_t restarted; /* frames for which what was begun anew is too new to be relied on */
 } vista_watch;
@@ -52,6 +53,10 @@ void vista_watch_reset(vista_watch *watch);
 
 /* Says that a pair is older than the one before, after the reset that this calls for. */
 void vista_watch_time_went_back(vista_watch *watch);
+
+/* Says whether words of a pair are not those of its images. Returns whether those of the pair are trusted, a few of which
+ * were compared. */
+bool vista_watch_words(vista_watch *watch, bool differ);
 
 /* Takes a rectified pair, the right image of which may have no data, and what the pipeline made of it. */
 void vista_watch_pair(vista_watch *watch, const vista_image *left, const vista_image *right, const vista_result *result,
