@@ -5,7 +5,7 @@ World: x to the right, y down, z forward. The vehicle looks along z unless it sa
 from __future__ import annotations
 
 import numpy as np
-from space_library import SPACE_FRAMES, Space, scene
+from space_library import SPACE_FRAMES, Space, Wall, scene
 from stage_library import ffi, lib, parameters, status_name
 from track_library import SECOND
 from vista.plan import Decision
@@ -81,3 +81,46 @@ def seen_world(
     for k in range(frames):
         space.take(look, 1.0 - 0.1 * (frames - 1 - k), up_camera=UP)
     return space
+
+
+def distance_m(point, wall: Wall) -> float:
+    x, y, z = point
+    aside = max(wall.x_m[0] - x, 0.0, x - wall.x_m[1]), max(wall.y_m[0] - y, 0.0, y - wall.y_m[1])
+    return float(np.hypot(np.hypot(*aside), wall.z_m - z))
+
+
+class Flight:
+    """A vehicle that flies exactly what is decided, once a tenth of a second."""
+
+    def __init__(self, walls, goal, velocity=(0.0, 0.0, 0.0), **changes) -> None:
+        self.walls, self.goal = list(walls), goal
+        self.space, self.planner = Space(collision_radius_m=RADIUS_M), Planner(**changes)
+        self.t_s, self.position_m = 1.0, np.zeros(3)
+        self.velocity, self.acceleration, self.heading = np.array(velocity), np.zeros(3), AHEAD
+        self.clearance_m, self.way_m = np.inf, 0.0
+        self.decisions: list[Decision] = []
+
+    def step(self, seconds: float = 0.1) -> Decision:
+        """Looks, decides, and flies on for so long."""
+        right = np.cross([0.0, 1.0, 0.0], self.heading)
+        turn = np.stack([right / np.linalg.norm(right), [0.0, 1.0, 0.0], self.heading], 1)
+        look = scene(self.walls, 20.0, self.position_m, turn)
+        self.space.take(look, self.t_s, self.velocity, up_camera=turn.T @ UP)
+        state = state_of(
+            self.position_m,
+            self.velocity,
+            self.t_s,
+            self.heading,
+            acceleration_m_s2=self.acceleration.tolist(),
+        )
+        decision = self.planner.decide(self.space, state, self.goal)
+        self.decisions.append(decision)
+        for k in range(1, round(10 * seconds) + 1):
+            at = decision.at(0.1 * k)
+            self.way_m += float(np.linalg.norm(at.position_m - self.position_m))
+            self.position_m = np.array(at.position_m)
+            near_m = [distance_m(self.position_m, wall) for wall in self.walls]
+            self.clearance_m = min([self.clearance_m, *near_m])
+        self.velocity, self.acceleration = np.array(at.velocity_m_s), np.array(at.acceleration_m_s2)
+        self.heading, self.t_s = np.array(at.heading), self.t_s + seconds
+        return decision

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plan_library import Planner, goal_of, seen_world, state_of
+from plan_library import RADIUS_M, Flight, Planner, distance_m, goal_of, seen_world, state_of
+from random_seed import seeded
 from space_library import UNMATCHED, Wall
 from stage_library import ffi, lib
 
@@ -72,3 +73,115 @@ def test_what_is_no_state_is_refused() -> None:
         assert planner.try_to(space, state, goal)[0] == status
     assert planner.try_to(space, state_of(t_s=2.0), goal)[0] == "VISTA_OK"
     assert planner.try_to(space, state_of(t_s=1.0), goal)[0] == "VISTA_ERROR_ORDER"
+
+
+# ---- flights: what the camera sees decides, and that decides what it sees next ----
+
+
+def flown(walls: list[Wall], speed_m_s: float = 5.0, seconds: float = 40.0, **changes) -> Flight:
+    flight = Flight(walls, goal_of((0.0, 0.0, 60.0), speed_m_s, (0.0, 0.0, 0.0), passed=False), **changes)
+    while flight.t_s < seconds and flight.step().action != "arrived":
+        pass
+    return flight
+
+
+def forest(random: np.random.Generator) -> list[Wall]:
+    """Trunks at least 3 m apart."""
+    places: list[np.ndarray] = []
+    while len(places) < 20:
+        place = random.uniform((-12.0, 8.0), (12.0, 52.0))
+        if all(np.hypot(*(place - other)) > 3.0 for other in places):
+            places.append(place)
+    return [Wall(z_m, (x_m - 0.15, x_m + 0.15)) for x_m, z_m in places]
+
+
+@pytest.mark.slow
+def test_it_flies_through_forests() -> None:
+    """Clearance is less than the radius by what a ball that is looked at may lack at its rim."""
+    random = seeded(2)
+    for _ in range(3):
+        flight = flown(forest(random))
+        assert flight.decisions[-1].action == "arrived"
+        assert flight.clearance_m > 0.6 * RADIUS_M
+
+
+@pytest.mark.slow
+def test_it_flies_around_a_wall_that_is_wider_than_the_view() -> None:
+    flight = flown([Wall(30.0, (-12.0, 10.0))])
+    assert flight.decisions[-1].action == "arrived"
+    assert flight.clearance_m > 0.8 * RADIUS_M and flight.way_m < 90.0
+
+
+@pytest.mark.slow
+def test_before_a_wall_without_end_it_keeps_off() -> None:
+    flight = flown([Wall(25.0)], seconds=20.0)
+    assert flight.clearance_m > 0.8 * RADIUS_M
+
+
+@pytest.mark.slow
+def test_each_decision_of_a_flight_ends_in_a_stop_that_is_free() -> None:
+    """What was committed to keeps off everything, not only what was flown of it."""
+    random = seeded(3)
+    walls = forest(random)
+    flight = flown(walls)
+    for decision in flight.decisions:
+        if decision.chosen < 0 or decision.action == "helpless":
+            continue
+        points = decision.points["position_m"]
+        assert not decision.points[-1]["velocity_m_s"].any()
+        assert min(distance_m(point, wall) for point in points for wall in walls) > 0.5 * RADIUS_M
+
+
+@pytest.mark.slow
+def test_two_frames_that_are_missing_do_no_harm() -> None:
+    random = seeded(4)
+    walls = forest(random)
+    flight = Flight(walls, goal_of((0.0, 0.0, 60.0), 5.0, (0.0, 0.0, 0.0), passed=False))
+    while flight.t_s < 40.0 and flight.step(0.3 if random.random() < 0.2 else 0.1).action != "arrived":
+        pass
+    assert flight.decisions[-1].action == "arrived" and flight.clearance_m > 0.5 * RADIUS_M
+
+
+def test_what_flies_across_is_where_it_will_be() -> None:
+    """A thing to the right that moves to the left, into the way: nothing is in the way now."""
+    space, state = seen_world(), state_of(velocity=(0.0, 0.0, 5.0))
+    thing = {
+        "id": 7,
+        "confirmed": True,
+        "world": lib.VISTA_WORLD_MOVES,
+        "position_m": [5.0, 0.0, 4.5],
+        "extent_m": [1.0, 1.0],
+        "covariance_m2": (0.04 * np.eye(3)).ravel().tolist(),
+    }
+    track = {"id": 7, "position_m": [5.0, 0.0, 4.5], "velocity_m_s": [-5.0, 0.0, 0.0]}
+    for velocity, hit in ((track["velocity_m_s"], True), ([5.0, 0.0, 0.0], False)):
+        decision = Planner().decide(space, state, goal_of(), [thing], [track | {"velocity_m_s": velocity}])
+        straight = next(o for o in decision.options if o.primitive == "straight")
+        assert (straight.ruling == "by_obstacle" and straight.obstacle_id == 7) == hit
+
+
+@pytest.mark.slow
+def test_a_fixed_wing_flies_around_and_its_plan_is_a_circle_that_closes() -> None:
+    walls = [Wall(120.0, (-8.0, 8.0))]
+    goal = goal_of((0.0, 0.0, 400.0), 12.0, (0.0, 0.0, 0.0))
+    flight = Flight(walls, goal, velocity=(0.0, 0.0, 12.0), plan__vehicle="fixed_wing")
+    while flight.position_m[2] < 150.0 and flight.t_s < 30.0:
+        decision = flight.step()
+        circle = decision.points["position_m"][decision.circle_from :]
+        np.testing.assert_allclose(circle[0], circle[-1], atol=0.05)
+        speeds = np.linalg.norm(decision.points["velocity_m_s"], axis=1)
+        np.testing.assert_allclose(speeds, 12.0, rtol=0.05)
+        far = decision.at(1e4).position_m
+        assert np.linalg.norm(circle - far, axis=1).min() < 3.0
+    assert flight.position_m[2] >= 150.0 and flight.clearance_m > 0.8 * RADIUS_M
+
+
+def test_decisions_are_bounded_by_count() -> None:
+    random = seeded(5)
+    for _ in range(5):
+        walls = [Wall(z, (x, x + 1.0)) for x, z in random.uniform((-15, 4), (15, 30), (40, 2))]
+        decision = Planner().decide(
+            seen_world(walls), state_of(velocity=(0.0, 0.0, 8.0)), goal_of(speed_m_s=8.0)
+        )
+        assert decision.looks <= lib.VISTA_PLAN_LOOKS
+        assert len(decision.options) <= lib.VISTA_PLAN_MOST_OPTIONS
