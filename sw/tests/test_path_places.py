@@ -58,7 +58,7 @@ class Places:
 
     @property
     def free_m(self) -> float:
-        return lib.vista_path_places_free_m(self.space.frame, self.handle)
+        return lib.vista_path_places_free_m(self.space.frame, self.space.handle, self.handle)
 
 
 def places_of(look: Look, *obstacles, frames: int = SPACE_FRAMES, length_m: float = LENGTH_M) -> Places:
@@ -320,3 +320,15 @@ def test_what_is_likely_occupied_is_neither_free_nor_unsaid() -> None:
         for place in places.items:
             if place.along_m <= places.free_m:
                 assert place.shown.beyond >= 0.5 and place.probability < 0.5
+
+
+def test_the_path_is_free_only_as_far_around_as_the_aircraft_may_be_off_it() -> None:
+    """A wall passes the place on the path and not the place that one standard deviation more makes of it."""
+    space = Space()
+    space.watch(
+        scene([Wall(20.0, x_m=(1.2 * RADIUS_M, 9.0)), Wall(500.0)], ground_y_m=9.0), length_m=LENGTH_M
+    )
+    assert Places(space).judge().free_m > 30.0
+    space.frame.path.sigma_rad = 0.6 * RADIUS_M / 20.0
+    wandering = Places(space).judge()
+    assert 15.0 < wandering.free_m < 20.0 and wandering.contact_m is None

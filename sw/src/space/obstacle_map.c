@@ -201,7 +201,7 @@ static void leave_to_ground(vista_obstacle_map *map, const vista_frame_view *fra
 
 /* What flies may be in the way where it is not yet. */
 static double free_m(const vista_obstacle_map *map, const vista_frame_view *frame, const vista_map_input *input) {
-  double free_m = vista_path_places_free_m(frame, input->places);
+  double free_m = vista_path_places_free_m(frame, input->space, input->places);
   if (map->nearest.valid) free_m = fmin(free_m, map->nearest.distance_m);
   for (int32_t i = 0; i < input->track_count; ++i) {
     const vista_track *const track = &input->tracks[i];

@@ -18,6 +18,7 @@
 /* A place that is more likely occupied is not free. Of places that are given as much, half are occupied on families held
  * back: what two frames of six see there is rarely nothing. */
 #define FREE 0.3
+#define OFF_PATH_SIGMAS 1.0 /* by which the aircraft may be off its path where that is called free */
 
 /* Half of the two disparities by which a range may be wrong, no less than the places are apart. */
 double vista_path_place_reach_m(const vista_camera *camera, double along_m) {
@@ -31,6 +32,12 @@ double vista_path_places_farthest_m(const vista_frame_view *frame, double length
   return fmin(length_m, range_m);
 }
 
+/* How far around the path a place reaches: less by so many standard deviations of where the aircraft will be. */
+static double radius_m(const vista_frame_view *frame, double along_m, double sigmas) {
+  const double volume_m = VISTA_PLACE_RADIUS_SHARE * frame->params->obstacle_map.collision_radius_m;
+  return vista_flight_path_likely_radius_m(&frame->path, along_m, volume_m, sigmas);
+}
+
 void vista_path_places_look(const vista_frame_view *frame, const vista_space_map *map, vista_path_places *places) {
   const vista_flight_path *const path = &frame->path;
   const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
@@ -41,9 +48,7 @@ void vista_path_places_look(const vista_frame_view *frame, const vista_space_map
     vista_path_place *const place = &places->items[places->count++];
     *place = (vista_path_place){.along_m = along_m, .reach_m = vista_path_place_reach_m(frame->camera, along_m)};
     vista_flight_path_point(path, along_m, place->point_m, NULL);
-    const double radius_m = vista_flight_path_likely_radius_m(
-        path, along_m, VISTA_PLACE_RADIUS_SHARE * params->collision_radius_m, params->path_sigmas);
-    place->shown = vista_space_map_look(map, place->point_m, radius_m);
+    place->shown = vista_space_map_look(map, place->point_m, radius_m(frame, along_m, params->path_sigmas));
   }
 }
 
@@ -129,11 +134,20 @@ bool vista_path_place_is_free_now(const vista_path_place *place) {
 
 bool vista_path_place_is_occupied(const vista_path_place *place) { return place->probability >= VISTA_ODDS_WARN; }
 
-double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_places *places) {
+/* Whether a place of the path is free as far around it as the aircraft may be off its path there. */
+static bool is_free_around(const vista_frame_view *frame, const vista_space_map *map, const vista_path_place *place) {
+  vista_path_place around = *place;
+  around.shown = vista_space_map_look(map, place->point_m, radius_m(frame, place->along_m, -OFF_PATH_SIGMAS));
+  around.probability = vista_path_place_probability(&around);
+  return vista_path_place_is_free(&around);
+}
+
+double vista_path_places_free_m(const vista_frame_view *frame, const vista_space_map *map,
+                                const vista_path_places *places) {
   double free_m = 0.0;
   for (int32_t k = 0; k < places->count; ++k) {
     const vista_path_place *const place = &places->items[k];
-    if (!vista_path_place_is_free(place)) return free_m;
+    if (!vista_path_place_is_free(place) || !is_free_around(frame, map, place)) return free_m;
     free_m = place->along_m;
   }
   return places->count > 0 && places->count < VISTA_PATH_PLACES_MAX

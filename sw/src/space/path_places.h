@@ -6,7 +6,8 @@
  * whose pieces change tracks from frame to frame is still one place in the way.
  *
  * The path is free up to the last place before which each is seen through by FREE_SHARE of its lines of sight and is
- * occupied with a probability below FREE. */
+ * occupied with a probability below FREE, also as far around as the aircraft may be off its path there: what is warned of
+ * has to be in the way, and what is free must not come to be. */
 #ifndef VISTA_PATH_PLACES_H
 #define VISTA_PATH_PLACES_H
 
@@ -89,6 +90,7 @@ double vista_path_places_probability(const vista_path_places *places, double dis
 bool vista_path_places_bear_out(const vista_path_places *places, double distance_m);
 
 /* How far the path is free: from 0 to its length, or to where disparities say nothing if that is nearer. */
-double vista_path_places_free_m(const vista_frame_view *frame, const vista_path_places *places);
+double vista_path_places_free_m(const vista_frame_view *frame, const vista_space_map *map,
+                                const vista_path_places *places);
 
 #endif
