@@ -118,6 +118,11 @@ class Planner:
         )
         self._decision = self._ffi.new("vista_plan_decision *")
 
+    @property
+    def in_c(self) -> Any:
+        """The vista_planner itself."""
+        return self._planner
+
     def reset(self) -> None:
         """Forgets all decisions and where the vehicle was."""
         self._lib.vista_planner_reset(self._planner)
