@@ -195,7 +195,7 @@ WORDS: dict[str, Callable[[int, Given, Words], Words]] = {
 
 @pytest.mark.parametrize("name", [*WORDS, "of the pair before"])
 def test_words_that_are_not_those_of_the_images_are_found_at_once(name: str) -> None:
-    """For eight frames more none is trusted, because a few rows alone are compared."""
+    """None is trusted for eight frames more, because a few rows alone are compared."""
     engine = create_engine("golden", engine_parameters(parameters.defaults()))
 
     def words(k: int, given: Given) -> Given:
