@@ -177,14 +177,9 @@ static void block_at(const vista_plan_space *space, int32_t k, double world_m[3]
   vista_frame_to_world(&space->seen.frame->motion.pose, camera_m, world_m);
 }
 
-static double apart_m(const double a[3], const double b[3]) {
-  const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  return vista_norm(apart);
-}
-
 static void remember_block(vista_planner *planner, const double world_m[3], int64_t t_ns) {
   for (int32_t k = 0; k < VISTA_PLAN_BLOCKS; ++k) {
-    if (planner->blocks_ns[k] == 0 || apart_m(planner->blocks_m[k], world_m) > BLOCK_SHARE * planner->radius_m)
+    if (planner->blocks_ns[k] == 0 || vista_distance(planner->blocks_m[k], world_m) > BLOCK_SHARE * planner->radius_m)
       continue;
     planner->blocks_ns[k] = t_ns;
     return;

@@ -17,11 +17,6 @@
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
 #define SIGMAS 2.0 /* of an obstacle's position */
 
-static double distance_m(const double a[3], const double b[3]) {
-  const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  return vista_norm(apart);
-}
-
 static const vista_track *track_of(const vista_plan_space *space, const vista_obstacle *obstacle) {
   for (int32_t k = 0; k < space->seen.track_count; ++k)
     if (space->seen.tracks[k].id == obstacle->id) return &space->seen.tracks[k];
@@ -89,7 +84,7 @@ static double segment_distance_m(const double from_m[3], const double to_m[3], c
   const double length2 = vista_dot(along, along);
   const double share = length2 > 0.0 ? fmin(fmax(vista_dot(along, apart) / length2, 0.0), 1.0) : 0.0;
   for (int i = 0; i < 3; ++i) nearest_m[i] = from_m[i] + share * along[i];
-  return distance_m(nearest_m, point_m);
+  return vista_distance(nearest_m, point_m);
 }
 
 /* Where the vehicle has been, and where the plan that it is committed to leads, which was seen to be free. */
@@ -97,7 +92,7 @@ static bool is_own(const vista_plan_space *space, const double point_m[3]) {
   const vista_planner *const p = space->planner;
   const double near_m = OWN_SHARE * p->radius_m;
   for (int32_t k = 0; k < p->trail_count; ++k)
-    if (distance_m(p->trail_m[k], point_m) <= near_m) return true;
+    if (vista_distance(p->trail_m[k], point_m) <= near_m) return true;
   for (int32_t k = 1; p->committed && p->plan.escape_seen && k < p->plan.point_count; ++k)
     if (segment_distance_m(p->plan.points[k - 1].position_m, p->plan.points[k].position_m, point_m) <= near_m)
       return true;
@@ -123,7 +118,8 @@ vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3
   const vista_obstacle *const mover = obstacle_at(space, true, point_m, after_s);
   if (mover != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, mover->id, true, false};
   for (int32_t k = 0; k < space->looks; ++k)
-    if (distance_m(space->looked[k].point_m, point_m) <= SAME_SHARE * space->radius_m) return space->looked[k].place;
+    if (vista_distance(space->looked[k].point_m, point_m) <= SAME_SHARE * space->radius_m)
+      return space->looked[k].place;
   if (space->looks == VISTA_PLAN_LOOKS) return (vista_plan_place){.ruling = VISTA_PLAN_NOT_ASKED};
   vista_plan_looked *const looked = &space->looked[space->looks++];
   memcpy(looked->point_m, point_m, sizeof looked->point_m);
@@ -133,7 +129,7 @@ vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3
 
 /* From one place to the next, where balls overlap and the map tells them apart. */
 static double apart_m(const vista_plan_space *space, const double point_m[3]) {
-  const double range_m = distance_m(point_m, space->seen.frame->motion.pose.translation_m);
+  const double range_m = vista_distance(point_m, space->seen.frame->motion.pose.translation_m);
   return fmax(APART_SHARE * space->radius_m, VISTA_PLACE_STEP_SHARE * range_m);
 }
 
@@ -144,11 +140,11 @@ bool vista_plan_check(vista_plan_space *space, vista_plan_decision *plan, bool o
   memcpy(last_m, plan->points[0].position_m, sizeof last_m);
   for (int32_t k = 1; k < plan->point_count; ++k) {
     const double *const from_m = plan->points[k - 1].position_m, *const to_m = plan->points[k].position_m;
-    const double pieces = fmax(ceil(distance_m(from_m, to_m) / apart_m(space, to_m)), 1.0);
+    const double pieces = fmax(ceil(vista_distance(from_m, to_m) / apart_m(space, to_m)), 1.0);
     for (double piece = 1.0; piece <= pieces; ++piece) {
       for (int i = 0; i < 3; ++i) point_m[i] = from_m[i] + piece / pieces * (to_m[i] - from_m[i]);
       const bool last = k + 1 == plan->point_count && piece == pieces;
-      if (!last && distance_m(point_m, last_m) < apart_m(space, point_m) - 1e-9) continue;
+      if (!last && vista_distance(point_m, last_m) < apart_m(space, point_m) - 1e-9) continue;
       const double after_s = (k - 1 + piece / pieces) * plan->step_s;
       const vista_plan_place place = vista_plan_look(space, point_m, after_s);
       memcpy(last_m, point_m, sizeof last_m);
