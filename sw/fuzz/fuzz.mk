@@ -14,7 +14,7 @@ FUZZ_VISTA := $(patsubst %.c,$(FUZZ)/obj/%.o,$(shell find sw/src -name '*.c' 2>/
 # What a link needs; of all of libvista the fuzzer would see a small part only.
 FUZZ_MAVLINK := $(patsubst %.c,$(FUZZ)/obj/%.o,$(wildcard sw/src/link/mavlink/*.c) \
   sw/src/common/parameters.c sw/src/common/status.c sw/src/common/frame.c sw/src/common/median.c \
-  sw/src/common/disc.c sw/src/common/flight_path.c sw/src/health/health.c)
+  sw/src/common/disc.c sw/src/common/flight_path.c sw/src/health/health.c sw/src/plan/trajectory.c)
 # The engine has a target of its own: in the others it is neither checked nor counted as reached.
 FUZZ_PLAIN_ENGINE := $(patsubst %.c,$(FUZZ)/plain/%.o,$(wildcard model/c/src/*.c))
 comma := ,
