@@ -91,6 +91,7 @@ static void group_members(const vista_foveation *foveation, const int32_t *label
  * long regions only their inner pixels count, unless few are left. */
 #define LONG_BLOCKS 20.0
 #define MIN_INNER_SHARE 0.2
+#define OWN_SHARE 0.5 /* of the fewest inliers of a boundary, that the own pixels are at least */
 
 /* No more than the smallest obstacle has at that range: far things are small, and soon seen better or refuted. */
 static double fewest_inliers(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
@@ -103,7 +104,8 @@ static vista_region_verdict measure_own_pixels(const vista_region_view *w, const
                                                vista_region *region) {
   const vista_camera *const camera = w->frame->camera;
   vista_region_find_pixels(w, surface, region);
-  if (region->pixel_count == 0) return VISTA_REGION_TOO_FEW_PIXELS;
+  const double fewest = OWN_SHARE * fewest_inliers(w->params, camera, region->disparity_px);
+  if (region->pixel_count < fewest) return VISTA_REGION_TOO_FEW_PIXELS;
   const double longer_px = 4.0 * sqrt(fmax(region->cov_uu_px2, region->cov_vv_px2));
   if (longer_px > LONG_BLOCKS * VISTA_BOUNDARY_PX) {
     const vista_region all = *region;
