@@ -22,10 +22,11 @@ class Link:
     """A link in a test's hand, with time of its own."""
 
     def __init__(self, autopilot: str = "px4") -> None:
-        parameters = default_parameters().mavlink
-        parameters.autopilot = AUTOPILOT[autopilot]
+        parameters = default_parameters()
+        parameters.mavlink.autopilot = AUTOPILOT[autopilot]
         self.handle = ffi.new("vista_mavlink *")
-        assert lib.vista_mavlink_start(self.handle, ffi.addressof(parameters)) == lib.VISTA_OK
+        started = lib.vista_mavlink_start(self.handle, ffi.addressof(parameters, "mavlink"))
+        assert started == lib.VISTA_OK
         self.decoder, self.now_ns = dialect.MAVLink(None), START_NS
 
     def fly(self, decision: Any) -> str:
@@ -143,8 +144,9 @@ def test_what_is_no_decision_is_refused() -> None:
 class Vehicle:
     def __init__(self) -> None:
         self.handle = ffi.new("vista_vehicle *")
-        parameters = default_parameters().mavlink
-        assert lib.vista_vehicle_start(self.handle, ffi.addressof(parameters), 0) == lib.VISTA_OK
+        parameters = default_parameters()
+        started = lib.vista_vehicle_start(self.handle, ffi.addressof(parameters, "mavlink"), 0)
+        assert started == lib.VISTA_OK
 
     def hear(self, now_ns: int, system: int = 1, component: int = 1, **members: int) -> None:
         given = {
