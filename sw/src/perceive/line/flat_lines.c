@@ -44,8 +44,8 @@ void vista_flat_lines_find(const vista_frame_view *frame, double contrast, vista
   flat->lines.count = 0;
   if (!(ahead_m[2] > 0.0)) return;
   const double per_m = camera->focal_px / ahead_m[2];
-  ridge->along_px = first_of(camera->center_u_px + per_m * ahead_m[0], width, camera->width_px);
-  ridge->across_px = first_of(camera->center_v_px + per_m * ahead_m[1], height, camera->height_px);
+  ridge->along_px = first_of(camera->center_u_px + per_m * ahead_m[0], width, frame->image.width_px);
+  ridge->across_px = first_of(camera->center_v_px + per_m * ahead_m[1], height, frame->image.height_px);
   turn(&frame->image, ridge->along_px, ridge->across_px, width, height, flat->turned);
   const vista_image turned = {.data = flat->turned, .width_px = height, .height_px = width, .stride = height};
   vista_straight_lines_find(&turned, contrast, &flat->lines);
