@@ -62,6 +62,20 @@ def test_a_planner_begins_anew_after_a_reset() -> None:
     assert first.memory == again.memory
 
 
+def test_a_trajectory_goes_on_from_the_one_that_is_flown() -> None:
+    """An error of the vehicle is left to its controller; who is off the trajectory begins where it is."""
+    random = seeded(6)
+    for off_m, goes_on in ((0.4 * RADIUS_M, True), (0.6 * RADIUS_M, False)):
+        planner, space = Planner(), seen_world()
+        first = planner.decide(space, state_of(velocity=(0.0, 0.0, 5.0)), goal_of())
+        told = first.at(0.1)
+        aside = random.normal(size=3)
+        position_m = told.position_m + off_m * aside / np.linalg.norm(aside)
+        then = planner.decide(space, state_of(position_m, told.velocity_m_s, 1.1), goal_of())
+        begins_m = then.points[0]["position_m"]
+        np.testing.assert_allclose(begins_m, told.position_m if goes_on else position_m, atol=1e-9)
+
+
 def test_what_is_no_state_is_refused() -> None:
     planner, space, goal = Planner(), seen_world(), goal_of()
     for changes, status in (

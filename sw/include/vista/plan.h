@@ -136,7 +136,7 @@ typedef struct vista_plan_decision {
 typedef struct vista_planner {
   vista_plan_params params;
   double radius_m;
-  bool began, committed; /* there was a state; `plan` holds a decision */
+  bool began, committed; /* there was a state; `plan` holds the trajectory that is flown */
   int32_t side; /* to which the way has been left: -1 to the right, 1 to the left, 0 neither */
   int64_t side_ns, t_ns; /* when it was last left; of the last state */
   double wanted[3]; /* velocity that was decided last */

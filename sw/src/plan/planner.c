@@ -67,12 +67,30 @@ static void leave_trail(vista_planner *p, const vista_plan_state *state) {
   if (p->trail_count < VISTA_PLAN_TRAIL) ++p->trail_count;
 }
 
+/* What the next trajectory begins with: the one that is flown, as long as the vehicle is on it. A controller corrects the
+ * errors of a trajectory that goes on; of one that begins anew with each error it would never correct any. False: the
+ * vehicle flies none, or has left it. */
+static bool goes_on(const vista_planner *p, const vista_plan_state *state, vista_plan_state *from) {
+  *from = *state;
+  if (!p->committed) return false;
+  vista_plan_setpoint told;
+  vista_plan_at(&p->plan, vista_seconds_between(p->plan.t_ns, state->t_ns), &told);
+  if (!(vista_distance(told.position_m, state->position_m) < OFF_SHARE * p->radius_m) ||
+      !(vista_distance(told.velocity_m_s, state->velocity_m_s) < OFF_M_S))
+    return false;
+  memcpy(from->position_m, told.position_m, sizeof from->position_m);
+  memcpy(from->velocity_m_s, told.velocity_m_s, sizeof from->velocity_m_s);
+  memcpy(from->acceleration_m_s2, told.acceleration_m_s2, sizeof from->acceleration_m_s2);
+  return true;
+}
+
 /* ---- one decision ---- */
 
 typedef struct work {
   vista_planner *planner;
   vista_plan_space space;
-  const vista_plan_state *state;
+  const vista_plan_state *state; /* that the trajectory begins with */
+  bool goes_on, brakes; /* the one that is flown goes on; a new one brakes, whatever is there */
   vista_plan_aim aim;
   bool arrived;
   vista_plan_decision *decision;
@@ -122,7 +140,7 @@ static int32_t first_that_passes(work *w) {
 static bool fly_on(const work *w) {
   const vista_plan_decision *const plan = &w->planner->plan;
   vista_plan_decision *const d = w->decision;
-  if (!w->planner->committed) return false;
+  if (!w->goes_on) return false;
   const double after_s = vista_seconds_between(plan->t_ns, w->state->t_ns), done = after_s / plan->step_s;
   const double last = plan->point_count - 1, circle = plan->circle_from >= 0 ? last - plan->circle_from : 0.0;
   const double left = fmax(ceil(last - circle - done - 1e-6), 0.0); /* steps before the circle or the stop */
@@ -131,12 +149,7 @@ static bool fly_on(const work *w) {
   d->circle_from = plan->circle_from >= 0 ? (int32_t)left : -1;
   d->point_count = (int32_t)(left + circle) + 1;
   for (int32_t k = 0; k < d->point_count; ++k) vista_plan_at(plan, after_s + k * plan->step_s, &d->points[k]);
-  double off_m[3], off_m_s[3];
-  for (int i = 0; i < 3; ++i) {
-    off_m[i] = d->points[0].position_m[i] - w->state->position_m[i];
-    off_m_s[i] = d->points[0].velocity_m_s[i] - w->state->velocity_m_s[i];
-  }
-  return vista_norm(off_m) < OFF_SHARE * w->planner->radius_m && vista_norm(off_m_s) < OFF_M_S;
+  return true;
 }
 
 static const vista_plan_option stop = {.primitive = VISTA_PLAN_STOP};
@@ -199,7 +212,7 @@ static void commit(const work *w) {
   const vista_plan_decision *const d = w->decision;
   memset(p->wanted, 0, sizeof p->wanted);
   if (d->chosen >= 0) vista_plan_velocity(&d->options[d->chosen], p->wanted);
-  if (d->chosen < 0) return;
+  if (d->chosen < 0 && !w->brakes) return;
   p->plan = *d;
   p->committed = true;
 }
@@ -216,7 +229,8 @@ static vista_plan_action action_of(const work *w) {
 
 /* Flies what was committed to, or brakes. */
 static void end_plan(work *w) {
-  if (!fly_on(w)) (void)fly(w, &stop, circle_side(w, &stop));
+  w->brakes = !fly_on(w);
+  if (w->brakes) (void)fly(w, &stop, circle_side(w, &stop));
 }
 
 /* No manoeuvre passes. What is in the way of the escape as well may yet be met later on another way. */
@@ -243,10 +257,12 @@ static void decide(work *w) {
     d->option_count = 1;
   }
   d->chosen = first_that_passes(w);
-  if (d->chosen >= 0)
+  if (d->chosen >= 0) {
     d->action = action_of(w);
-  else
+  } else {
     escape(w);
+    d->escape_seen = false;
+  }
   double heading[3];
   look_for(w, heading);
   if (!circles(w)) vista_plan_turn(w->state, heading, d);
@@ -268,13 +284,15 @@ vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipelin
   memset(decision, 0, sizeof *decision); /* what is between its members, too: equal decisions are equal bytes */
   decision->t_ns = state->t_ns;
   decision->chosen = -1;
-  work w = {.planner = planner, .state = state, .decision = decision};
+  vista_plan_state from;
+  work w = {.planner = planner, .state = &from, .decision = decision};
+  w.goes_on = goes_on(planner, state, &from);
   w.space.seen = *seen;
   vista_plan_take_directions(&w.space, directions);
   w.space.planner = planner;
   w.space.radius_m = planner->radius_m + SIGMAS * state->position_sigma_m;
   w.space.late_s = fmax(vista_seconds_between(seen->frame->t_ns, state->t_ns), 0.0);
-  w.aim = vista_plan_aim_at(planner, state, goal);
+  w.aim = vista_plan_aim_at(planner, &from, goal);
   w.arrived = !goal->passed && w.aim.distance_m < (circles(&w) ? ARRIVED_S * goal->speed_m_s : ARRIVED_M);
   vista_plan_remember(planner, &w.space, state);
   decide(&w);

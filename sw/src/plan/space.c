@@ -9,8 +9,6 @@
 #include "space/path_places.h"
 #include "space/space_map.h"
 
-#define NOW_SHARE \
-  0.25 /* of the lines of sight that go on beyond a free place in the newest frame that has it in view */
 #define OWN_SHARE 0.5 /* of the radius, around where the vehicle has been or is committed to: free */
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */

@@ -14,7 +14,6 @@ from vista_eval.closed_loop.pilots import LOOK_S, Decision, Seen, along_leg, hov
 from vista_eval.closed_loop.setpoint import Setpoint
 from vista_eval.pose_noise import POSITION_SIGMA_M
 
-ON_TRAJECTORY_M, ON_IT_M_S = 0.7, 1.5  # farther off, the vehicle's own state counts
 MOST_PATHS = 40  # of those that were ruled out, in a film
 
 
@@ -34,43 +33,26 @@ class WithPlanner:
     def __init__(self, perception: Perception, values: parameters.Values, pose_noise: bool = False) -> None:
         self._detector, self._planner = perception.detector, Planner(values)
         self._sigma_m = POSITION_SIGMA_M if pose_noise else 0.0
-        self._flown: Planned | None = None
-        self._since_s = 0.0
 
     def decide(self, seen: Seen) -> Decision:
         leg, now = seen.leg, seen.state
         if seen.t_s < LOOK_S or seen.record is None:
             return Decision(hover(now, along_leg(now, leg).heading_rad), "looks")
-        position_m, velocity_m_s, acceleration_m_s2 = self.begins_at(seen)
         state = State.made(
             t_ns=seen.t_ns,
-            position_m=position_m,
-            velocity_m_s=velocity_m_s,
-            acceleration_m_s2=acceleration_m_s2,
+            position_m=now.position_m,
+            velocity_m_s=now.velocity_m_s,
+            acceleration_m_s2=now.acceleration_m_s2,
             up=UP_WORLD,
             heading=np.array([math.cos(now.heading_rad), math.sin(now.heading_rad), 0.0]),
             position_sigma_m=self._sigma_m,
         )
         goal = Goal.made(from_m=leg.from_m, to_m=leg.to_m, speed_m_s=leg.speed_m_s, passed=leg.passed)
         plan = self._planner.decide(self._detector, state, goal)
-        self._flown, self._since_s = Planned(plan), seen.t_s
         options = plan.options
         return Decision(
-            self._flown, plan.action, why_of(plan, options), paths_of(plan, options, now.position_m)
+            Planned(plan), plan.action, why_of(plan, options), paths_of(plan, options, now.position_m)
         )
-
-    def begins_at(self, seen: Seen) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position, velocity and acceleration that the next trajectory begins with: those of the one that is
-        flown, as long as the vehicle is on it. A controller corrects errors of a trajectory that goes on; of
-        one that begins anew with each error it would never correct any."""
-        now = seen.state
-        if self._flown is not None:
-            told = self._flown.at(seen.t_s - self._since_s)
-            assert told.position_m is not None
-            off_m = np.linalg.norm(told.position_m - now.position_m)
-            if off_m < ON_TRAJECTORY_M and np.linalg.norm(told.velocity_m_s - now.velocity_m_s) < ON_IT_M_S:
-                return told.position_m, told.velocity_m_s, told.acceleration_m_s2
-        return now.position_m, now.velocity_m_s, now.acceleration_m_s2
 
 
 def why_of(plan: Plan, options: list[Option]) -> str:
