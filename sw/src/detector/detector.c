@@ -288,7 +288,8 @@ static uint32_t watch(vista_detector *d, vista_detector_result *result) {
   const vista_image left = kept(d, d->levels.images[0][0]);
   const vista_image right = kept(d, d->has_right ? d->levels.images[1][0] : NULL);
   vista_watched found;
-  vista_watch_pair(d->watch, &left, &right, &result->result, d->t_ns, &found);
+  const double noise = vista_pipeline_look(d->pipeline).frame->noise.sigma;
+  vista_watch_pair(d->watch, &left, &right, noise, &result->result, d->t_ns, &found);
   if (!vista_watch_words(d->watch, d->words_differ > 0.0)) found.reasons |= UINT32_C(1) << VISTA_HEALTH_WORDS_DIFFER;
   if (result->alignment.unexplained) found.reasons |= UINT32_C(1) << VISTA_HEALTH_MOMENTS_DIFFER;
   result->watch_ms = vista_clock_ms() - start_ms;

@@ -72,7 +72,8 @@ static void choose(vista_coherence *c, const int16_t *words) {
   const int32_t tiles = across * down;
   c->count = 0;
   if (across <= 0 || down <= 0) return;
-  const int32_t step = 1 + (tiles % 7 == 0 ? 4 : 6); /* no divisor of the number of tiles, for most sizes */
+  int32_t step = 7; /* prime, and no divisor of the number of tiles: each comes once */
+  if (tiles % step == 0) step = tiles % 5 == 0 ? 1 : 5;
   for (int32_t k = 0, tile = 0; k < tiles && c->count < VISTA_COHERENCE_POINTS; ++k, tile = (tile + step) % tiles) {
     const int32_t u0 = 1 + tile % across * VISTA_TILE, v0 = 1 + tile / across * VISTA_TILE;
     if (!vista_tile_has_corners(level, u0, v0, GRADIENT_MIN)) continue;

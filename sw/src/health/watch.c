@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "common/frame.h"
-#include "common/image_noise.h"
 #include "common/numbers.h"
 
 #define PART_PX 8 /* of a row, compared at once */
@@ -107,17 +106,16 @@ static window ahead_of(const vista_watch *w, const vista_motion *motion) {
 
 static uint32_t bit(vista_health_reason reason) { return UINT32_C(1) << reason; }
 
-static uint32_t judge_images(vista_watch *w, const vista_image *const sides[2], bool moved, const window *ahead) {
+static uint32_t judge_images(vista_watch *w, const vista_image *const sides[2], double noise, bool moved,
+                             const window *ahead) {
   uint32_t reasons = 0;
-  vista_image_noise noise;
-  (void)vista_image_noise_measure(sides[0], &noise);
   bool frozen[2] = {false, false}, asked[2] = {false, false};
   for (int side = 0; side < 2; ++side) {
     if (sides[side]->data == NULL) continue;
     const shares s = compare(sides[side], w->before[side], ahead);
     asked[side] = w->began && (side == 0 || w->had_right);
     frozen[side] = at_least(s.same, s.whole, FROZEN_SHARE);
-    if (asked[side] && moved && noise.sigma > NOISE_MIN && at_least(s.same_ahead, s.ahead, STUCK_SHARE))
+    if (asked[side] && moved && noise > NOISE_MIN && at_least(s.same_ahead, s.ahead, STUCK_SHARE))
       reasons |= bit(VISTA_HEALTH_VIEW_STUCK);
   }
   /* Without poses one camera that stands still tells itself by the other one, which does not. */
@@ -171,8 +169,8 @@ bool vista_watch_words(vista_watch *w, bool differ) {
   return held(&w->differed, differ, VISTA_HEALTH_WORDS_DIFFER) == 0;
 }
 
-void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image *right, const vista_result *result,
-                      int64_t t_ns, vista_watched *found) {
+void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image *right, double noise,
+                      const vista_result *result, int64_t t_ns, vista_watched *found) {
   const vista_motion *const motion = &result->motion;
   const vista_image *const sides[2] = {left, right};
   const bool posed = motion->source == VISTA_MOTION_POSE;
@@ -180,7 +178,7 @@ void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image
   for (int i = 0; i < 3 && posed && w->posed; ++i) step_m[i] = motion->pose.translation_m[i] - w->pose.translation_m[i];
   const bool moved = vista_norm(step_m) > MOVED_M;
   const window ahead = ahead_of(w, motion);
-  *found = (vista_watched){.reasons = judge_images(w, sides, moved, &ahead)};
+  *found = (vista_watched){.reasons = judge_images(w, sides, noise, moved, &ahead)};
   const bool frozen = (found->reasons & bit(VISTA_HEALTH_IMAGES_FROZEN)) != 0;
   if (frozen) vista_coherence_reset(&w->coherence); /* what stands still tells neither offset nor velocity */
   vista_coherence_update(&w->coherence, left, result->views->words, motion, t_ns, &found->coherence);

@@ -58,8 +58,9 @@ void vista_watch_time_went_back(vista_watch *watch);
  * were compared. */
 bool vista_watch_words(vista_watch *watch, bool differ);
 
-/* Takes a rectified pair, the right image of which may have no data, and what the pipeline made of it. */
-void vista_watch_pair(vista_watch *watch, const vista_image *left, const vista_image *right, const vista_result *result,
-                      int64_t t_ns, vista_watched *found);
+/* Takes a rectified pair, the right image of which may have no data, the noise of the left one, and what the pipeline
+ * made of the pair. */
+void vista_watch_pair(vista_watch *watch, const vista_image *left, const vista_image *right, double noise,
+                      const vista_result *result, int64_t t_ns, vista_watched *found);
 
 #endif

@@ -15,15 +15,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from vista import native, parameters
+from vista import parameters
 from vista.geometry import Array
 
-from vista_eval.cache import code_digest, content_sha256, digest_of, kept
+from vista_eval.cache import content_sha256
 from vista_eval.dataset.scenes import read_scene
-from vista_eval.dataset.truth import TRUTH, read_truth
-from vista_eval.fly import flight_digest
+from vista_eval.dataset.truth import read_truth
 from vista_eval.metrics.scenes import Partition, partition_scenes
 from vista_eval.metrics.segmentation import Labels
+from vista_eval.training.kept import kept_of_flight
 from vista_eval.training.logistic import Held, cross_validate, fit, same_for_each
 
 STRIDE = 8  # frames
@@ -57,14 +57,8 @@ def object_of_cells(label: Labels, cell_of_pixel: Labels, cells: int) -> NDArray
 
 
 def collect_cached(folder: Path, values: parameters.Values, cache: Path) -> FlightPairs:
-    digest = digest_of(
-        flight_digest(folder, values),
-        code_digest(__name__),
-        native.library_path("vista_stages"),
-        folder / TRUTH,
-    )
-    name = f"{folder.parent.name}-{folder.name}-pairs.json"
-    return kept(cache / name, digest, lambda: collect(folder, values), from_json)
+    path = cache / f"{folder.parent.name}-{folder.name}-pairs.json"
+    return kept_of_flight(path, folder, values, collect, from_json)
 
 
 def from_json(content: dict[str, Any]) -> FlightPairs:

@@ -8,16 +8,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from vista import native, parameters
+from vista import parameters
 from vista.chain import engine_parameters
 from vista.engine import create_engine
 from vista.geometry import Array, Calibration
 from vista.rectify import Rectifier
 
-from vista_eval.cache import code_digest, digest_of, kept
 from vista_eval.cell_graph import OpenPipeline
-from vista_eval.dataset.truth import TRUTH
-from vista_eval.fly import flight_digest, open_flight
+from vista_eval.fly import open_flight
+from vista_eval.training.kept import kept_of_flight
 from vista_eval.training.path_truth import PathTruth, path_truth
 
 OCCUPIED, EMPTY, UNTOLD = 1, 0, -1
@@ -69,15 +68,8 @@ def distance_m(along_m: Array, points_m: NDArray[np.floating]) -> Array:
 
 
 def collect_cached(folder: Path, values: parameters.Values, cache: Path) -> FlightEvidence:
-    digest = digest_of(
-        flight_digest(folder, values),
-        code_digest(__name__),
-        native.library_path("vista_stages"),
-        folder / TRUTH,
-    )
-    return kept(
-        cache / f"{folder.parent.name}-{folder.name}.json", digest, lambda: collect(folder, values), from_json
-    )
+    path = cache / f"{folder.parent.name}-{folder.name}.json"
+    return kept_of_flight(path, folder, values, collect, from_json)
 
 
 def from_json(content: dict[str, Any]) -> FlightEvidence:
