@@ -20,7 +20,9 @@ from vista_eval.jobs import add_place, chosen_place, run
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the results")
-    parser.add_argument("recordings", type=Path, nargs="+", metavar="RECORDING", help="with poses")
+    parser.add_argument(
+        "recordings", type=Path, nargs="+", metavar="RECORDING", help="a recording with poses"
+    )
     parser.add_argument(
         "--count",
         type=positive,
@@ -28,8 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="injections into each, in parts of 50 (default 100)",
     )
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the draws (default 1)")
-    parser.add_argument("--kind", nargs="+", default=[], metavar="NAME", help="only these kinds")
+    parser.add_argument(
+        "--seed", type=int, default=1, metavar="N", help="seed that all draws follow from (default 1)"
+    )
+    parser.add_argument(
+        "--kind", nargs="+", default=[], metavar="NAME", help="put in only these kinds of faults"
+    )
     add_place(parser)
     add_config(parser)
 
@@ -45,6 +51,9 @@ def execute(arguments: argparse.Namespace) -> int:
     if unknown:
         raise InputError("--kind", f"{unknown[0]} is none of: {', '.join(KINDS)}")
     kinds = arguments.kind or list(KINDS)
+    for path in arguments.recordings:
+        if not path.exists():
+            raise InputError(path, "no such file or folder")
     recordings = [place.known_to_all(path) for path in arguments.recordings]
     parts = [Part(arguments.seed, number, tuple(kinds)) for number in range(-(-arguments.count // PART))]
     jobs = [job(values, part, recording) for part in parts for recording in recordings]
