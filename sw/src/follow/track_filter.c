@@ -4,6 +4,7 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "common/symmetric.h"
 
 #define ACCELERATION_PSD_M2_S3 0.01 /* white acceleration along each axis: obstacles are mostly static */
 /* Random walk of the point that stands for the obstacle: regions change from frame to frame. */
@@ -132,32 +133,6 @@ void vista_track_filter_noise(const vista_tracker_params *params, const vista_ca
   variance_px2[2] = vista_square(detection->sigma_disparity_px);
 }
 
-/* Inverse of a symmetric matrix by Cholesky; false when it is not positive definite in double precision. */
-static bool invert(const double matrix[9], double inverse[9]) {
-  double l[9] = {0};
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j <= i; ++j) {
-      double sum = matrix[3 * i + j];
-      for (int k = 0; k < j; ++k) sum -= l[3 * i + k] * l[3 * j + k];
-      if (i == j && !(sum > 0.0)) return false;
-      l[3 * i + j] = i == j ? sqrt(sum) : sum / l[3 * j + j];
-    }
-  /* rows of L^-1, then S^-1 = L^-T L^-1 */
-  const double a = 1.0 / l[0];
-  const double b = 1.0 / l[4];
-  const double c = 1.0 / l[8];
-  const double ba = -l[3] * a * b;
-  const double cb = -l[7] * b * c;
-  const double ca = -(l[6] * a + l[7] * ba) * c;
-  inverse[0] = a * a + ba * ba + ca * ca;
-  inverse[1] = inverse[3] = ba * b + ca * cb;
-  inverse[2] = inverse[6] = ca * c;
-  inverse[4] = b * b + cb * cb;
-  inverse[5] = inverse[7] = cb * c;
-  inverse[8] = c * c;
-  return true;
-}
-
 static double quadratic(const double matrix[9], const double y[3]) {
   double sum = 0.0;
   for (int i = 0; i < 3; ++i)
@@ -167,9 +142,8 @@ static double quadratic(const double matrix[9], const double y[3]) {
 
 /* S = H P H^T + R */
 static bool invert_innovation(const double covariance_px2[9], const double variance_px2[3], double inverse[9]) {
-  double s[9];
-  for (int i = 0; i < 9; ++i) s[i] = covariance_px2[i] + (i % 4 == 0 ? variance_px2[i / 4] : 0.0);
-  return invert(s, inverse);
+  for (int i = 0; i < 9; ++i) inverse[i] = covariance_px2[i] + (i % 4 == 0 ? variance_px2[i / 4] : 0.0);
+  return vista_symmetric_invert(3, inverse);
 }
 
 static void innovation(const vista_track_view *view, const vista_detection *detection, double y[3]) {
@@ -189,7 +163,7 @@ double vista_track_filter_distance2(const vista_track_view *view, const double c
 double vista_track_filter_space_distance2(const vista_tracker_params *params, const vista_pose *pose,
                                           const vista_track *track, const vista_track_view *view,
                                           const vista_detection *detection) {
-  double camera_from_world[9], position_world[9], s[9], inverse[9], y[3];
+  double camera_from_world[9], position_world[9], s[9], y[3];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       camera_from_world[3 * i + j] = pose->rotation[3 * j + i];
@@ -200,7 +174,7 @@ double vista_track_filter_space_distance2(const vista_tracker_params *params, co
       vista_square(detection->position_camera_m[2] * params->attitude_sigma_deg * VISTA_RADIANS_PER_DEGREE);
   for (int i = 0; i < 9; ++i) s[i] += detection->covariance_camera_m2[i] + (i == 0 || i == 4 ? attitude_m2 : 0.0);
   for (int i = 0; i < 3; ++i) y[i] = detection->position_camera_m[i] - view->camera_m[i];
-  return invert(s, inverse) ? quadratic(inverse, y) : INFINITY;
+  return vista_symmetric_invert(3, s) ? quadratic(s, y) : INFINITY;
 }
 
 double vista_track_filter_extent_distance2(const vista_track *track, const vista_detection *detection) {

@@ -8,6 +8,7 @@
 #include "align/place.h"
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "common/symmetric.h"
 #include "vista/word.h"
 
 #define UNKNOWNS 7 /* turn, step, offset */
@@ -137,31 +138,6 @@ static observation observe(const vista_coherence *c, const vista_coherent_point 
   return o;
 }
 
-/* Inverts a symmetric positive definite matrix of this size, row-major, in place (Cholesky). */
-static bool invert(int size, double *m) {
-  double l[UNKNOWNS][UNKNOWNS] = {{0}}, inverse[UNKNOWNS][UNKNOWNS] = {{0}};
-  for (int i = 0; i < size; ++i)
-    for (int j = 0; j <= i; ++j) {
-      double sum = m[i * size + j];
-      for (int k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
-      if (i == j && !(sum > 0.0)) return false;
-      l[i][j] = i == j ? sqrt(sum) : sum / l[j][j];
-    }
-  for (int i = 0; i < size; ++i)
-    for (int j = 0; j <= i; ++j) {
-      double sum = i == j;
-      for (int k = j; k < i; ++k) sum -= l[i][k] * inverse[k][j];
-      inverse[i][j] = sum / l[i][i];
-    }
-  for (int i = 0; i < size; ++i)
-    for (int j = 0; j < size; ++j) {
-      double sum = 0.0;
-      for (int k = i > j ? i : j; k < size; ++k) sum += inverse[k][i] * inverse[k][j];
-      m[i * size + j] = sum;
-    }
-  return true;
-}
-
 static void rest_of(const observation *o, const double x[UNKNOWNS], double rest[2]) {
   for (int a = 0; a < 2; ++a) {
     rest[a] = o->left_px[a];
@@ -195,7 +171,7 @@ static bool fit(const observation *seen, int32_t count, double x[UNKNOWNS], doub
           for (int j = 0; j < UNKNOWNS; ++j) m[i][j] += weight * o->slopes[a][i] * o->slopes[a][j];
         }
     }
-    if (!invert(UNKNOWNS, m[0])) return false;
+    if (!vista_symmetric_invert(UNKNOWNS, m[0])) return false;
     for (int i = 0; i < UNKNOWNS; ++i) {
       x[i] = 0.0;
       for (int j = 0; j < UNKNOWNS; ++j) x[i] += m[i][j] * right[j];
@@ -208,7 +184,7 @@ static bool fit(const observation *seen, int32_t count, double x[UNKNOWNS], doub
 /* What lasts, as far as it is known; false: it is not. */
 static bool known(const vista_coherence *c, double value[LASTING], double covariance[LASTING][LASTING]) {
   memcpy(covariance, c->information, sizeof c->information);
-  if (!invert(LASTING, covariance[0])) return false;
+  if (!vista_symmetric_invert(LASTING, covariance[0])) return false;
   for (int i = 0; i < LASTING; ++i) {
     value[i] = 0.0;
     for (int j = 0; j < LASTING; ++j) value[i] += covariance[i][j] * c->weighted[j];
@@ -222,7 +198,7 @@ static bool contradicts(const vista_coherence *c, double told[LASTING][LASTING],
   if (!known(c, before, sum)) return false;
   for (int i = 0; i < LASTING; ++i)
     for (int j = 0; j < LASTING; ++j) sum[i][j] += told[i][j];
-  if (!invert(LASTING, sum[0])) return false;
+  if (!vista_symmetric_invert(LASTING, sum[0])) return false;
   for (int i = 0; i < LASTING; ++i)
     for (int j = 0; j < LASTING; ++j) square += (value[i] - before[i]) * sum[i][j] * (value[j] - before[j]);
   return square > CHANGED;
@@ -248,7 +224,7 @@ static void remember(vista_coherence *c, const double x[UNKNOWNS], double covari
     memset(c->information, 0, sizeof c->information);
     memset(c->weighted, 0, sizeof c->weighted);
   }
-  if (!invert(LASTING, told[0])) return;
+  if (!vista_symmetric_invert(LASTING, told[0])) return;
   for (int i = 0; i < LASTING; ++i)
     for (int j = 0; j < LASTING; ++j) {
       c->information[i][j] += told[i][j];
@@ -262,7 +238,7 @@ static void tell(const vista_coherence *c, vista_coherence_result *r) {
   if (!known(c, value, covariance)) return;
   for (int i = 0; i < 3; ++i) memcpy(velocity[i], covariance[i], sizeof velocity[i]);
   r->offset_px = (vista_estimate){value[3], sqrt(covariance[3][3])};
-  if (!invert(3, velocity[0])) return;
+  if (!vista_symmetric_invert(3, velocity[0])) return;
   double square = 0.0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) square += value[i] * velocity[i][j] * value[j];

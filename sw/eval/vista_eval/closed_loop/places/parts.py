@@ -9,8 +9,9 @@ from vista_eval.worlds import things, walls
 from vista_eval.worlds.draws import draws, some_seed
 from vista_eval.worlds.grounds import COVERS
 from vista_eval.worlds.light import light
+from vista_eval.worlds.sampled.trees import pine
 from vista_eval.worlds.triangles import Triangles, joined, placed, turned
-from vista_eval.worlds.vegetation import bark, conifer, crown
+from vista_eval.worlds.vegetation import conifer
 
 FINE_M, COARSE_M = 0.06, 0.5  # texels of the ground where the flight goes, and around it
 AROUND_M, HORIZON_M = 60.0, 700.0
@@ -91,21 +92,6 @@ def grid_box(size_m: np.ndarray, turn_deg: float, rng: np.random.Generator) -> T
     return placed(joined(*parts), (0, 0, 0), turn_deg)
 
 
-def tall_tree(rng: np.random.Generator) -> Triangles:
-    """A trunk that is bare up to a crown above 4 m."""
-    height, radius = float(rng.uniform(7, 12)), float(rng.uniform(0.12, 0.35))
-    lean = rng.normal(0, 0.012, 2) * height
-    path = np.array([[0, 0, -0.3], [*(0.4 * lean), 0.5 * height], [*lean, 0.95 * height]])
-    trunk = bark(path, radius * np.array([1.15, 0.8, 0.25]), rng, 9)
-    count = int(rng.integers(4, 8))
-    spread = 0.16 * height
-    centers = np.column_stack(
-        [rng.normal(0, 0.5 * spread, (count, 2)) + lean, height * rng.uniform(0.66, 0.95, count)]
-    )
-    radii = rng.uniform(0.4, 0.8, (count, 1)) * [spread, spread, 0.5 * spread]
-    return joined(trunk, crown(centers, radii, TUFT_M, float(rng.uniform(0.15, 0.35)), rng))
-
-
 def small_conifer(rng: np.random.Generator) -> Triangles:
     """A young spruce with branches down to the ground."""
     height = float(rng.uniform(3.0, 5.5))
@@ -115,7 +101,9 @@ def small_conifer(rng: np.random.Generator) -> Triangles:
 def trees(places_m: list[tuple[float, float]], seed: int, young: float = 0.2, kinds: int = 6) -> list[Thing]:
     """Trees at these places, of a few kinds that are turned and scaled. young: share of small conifers."""
     rng = draws(seed, "trees")
-    tall = [tall_tree(rng) for _ in range(kinds)]
+    tall = [
+        pine(float(rng.uniform(7, 12)), float(rng.uniform(0.12, 0.35)), rng, TUFT_M) for _ in range(kinds)
+    ]
     low = [small_conifer(rng) for _ in range(kinds)]
     found = []
     for k, (x, y) in enumerate(places_m):
