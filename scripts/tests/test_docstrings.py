@@ -13,7 +13,6 @@ ROOT = Path(__file__).resolve().parents[2]
 PYTHON = (
     "sw/python",
     "sw/bench",
-    "sw/eval/bench",
     "sw/eval/vista_eval",
     "model",
     "rtl",
