@@ -88,7 +88,12 @@ def fly(change: Callable[[int], Given], given_words: bool = False) -> Iterator[s
         if words is None and given_words:
             words = list(engine.levels(*given.images))
         detector.match(words)
-        detector.judge(given.pose, UP)
+        try:
+            detector.judge(given.pose, UP)
+        except ValueError:
+            detector.forget()
+            yield {Reason.POSE_JUMP}
+            continue
         yield {finding.reason for finding in detector.findings()}
 
 
@@ -123,6 +128,18 @@ def bar(_: int, given: Given) -> Given:
     return replace(given, images=(images[0], images[1]))
 
 
+def dirt(_: int, given: Given) -> Given:
+    """A dark blot with a soft rim on both lenses, which hides most of the noise of the images."""
+    v, u = np.mgrid[:HEIGHT, :WIDTH]
+    cover = np.clip(2.0 - 2.0 * np.hypot(u - WIDTH / 2, v - HEIGHT / 2) / (0.6 * HEIGHT), 0.0, 1.0)
+    left, right = (np.rint(i * (1.0 - cover) + 40.0 * cover).astype(np.uint8) for i in given.images)
+    return replace(given, images=(left, right))
+
+
+def slow_clock(k: int, given: Given) -> Given:
+    return replace(given, t_ns=given.t_ns - (k - ONSET + 1) * PERIOD_NS // 2)
+
+
 FAULTS: dict[str, tuple[Callable[[int, Given], Given], Reason]] = {
     "both cameras frozen": (lambda _, g: replace(g, images=FLIGHT[ONSET - 1].images), Reason.IMAGES_FROZEN),
     "left camera frozen": (
@@ -141,10 +158,12 @@ FAULTS: dict[str, tuple[Callable[[int, Given], Given], Reason]] = {
         Reason.DISPARITIES_OFF,
     ),
     "columns in the middle": (bar, Reason.VIEW_STUCK),
+    "dirt in the middle": (dirt, Reason.VIEW_STUCK),
+    "a clock at half its pace": (slow_clock, Reason.TIME_JUMP),
     "a pose that jumps": (other_place(lambda _, at: np.add(at, [1.0, 0.0, 0.0])), Reason.MOTION_DOUBTFUL),
     "a pose that jumps far": (other_place(lambda _, at: np.add(at, [0.0, 0.0, 5.0])), Reason.POSE_JUMP),
-    "a way told too long": (
-        other_place(lambda k, at: np.add(at, [0.0, 0.0, 0.35 * (k - ONSET + 1)])),
+    "a way told longer and longer": (
+        other_place(lambda k, at: np.add(at, [0.0, 0.0, 0.09 * (k - ONSET + 1) * (k - ONSET + 2)])),
         Reason.DISPARITIES_OFF,
     ),
     "a time far ahead": (lambda _, g: replace(g, t_ns=g.t_ns + 10**10), Reason.TIME_JUMP),
@@ -205,6 +224,40 @@ def test_words_that_are_not_those_of_the_images_are_found_at_once(name: str) -> 
 
     for k, reasons in enumerate(fly(faulty(words), given_words=True)):
         assert (Reason.WORDS_DIFFER in reasons) == (k >= ONSET)
+
+
+def other_poses(change: Callable[[int], Pose | None], words: Words | None = None) -> Callable[[int], Given]:
+    return lambda k: replace(FLIGHT[k], pose=change(k), words=words)
+
+
+def aside(k: int, right_m: float) -> Pose:
+    pose = FLIGHT[k].pose
+    assert pose is not None
+    return Pose(pose.rotation, np.add(pose.translation_m, [right_m, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize(("right_m", "named"), [(0.0, False), (2.0, True)])
+def test_a_pose_after_missing_ones_has_to_go_on_where_they_led(right_m: float, named: bool) -> None:
+    found = list(fly(other_poses(lambda k: None if 3 <= k < 6 else aside(k, right_m if k >= 6 else 0.0))))
+    assert [Reason.POSE_JUMP in reasons for reasons in found[6:]] == [named] * 8
+
+
+def test_a_vehicle_that_stops_between_two_poses_is_not_believed() -> None:
+    """After a second a pose that stays the same counts as one of a vehicle that stands."""
+    found = list(fly(other_poses(lambda k: FLIGHT[min(k, 2)].pose)))
+    assert [Reason.POSE_JUMP in reasons for reasons in found] == [False] * (FRAMES - 1) + [True]
+
+
+def test_a_pose_that_leads_elsewhere_is_doubted_where_no_image_shows_it() -> None:
+    nothing = [np.full((HEIGHT >> k, WIDTH >> k), -16, np.int16) for k in range(3)]
+    found = list(fly(other_poses(lambda k: aside(k, 0.6 if k >= ONSET else 0.0), nothing)))
+    assert [Reason.MOTION_DOUBTFUL in reasons for reasons in found] == [False] * ONSET + [True] * 8 + [False]
+
+
+def test_after_a_frame_that_is_refused_there_is_little_to_be_relied_on() -> None:
+    impossible = Pose(2.0 * np.eye(3), np.zeros(3))
+    found = list(fly(other_poses(lambda k: impossible if k == 2 else FLIGHT[k].pose)))
+    assert [Reason.POSE_JUMP in reasons for reasons in found] == [False] * 2 + [True] * 9 + [False] * 3
 
 
 def test_times_that_go_back_are_named_until_enough_was_seen_again() -> None:

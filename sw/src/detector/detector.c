@@ -129,6 +129,7 @@ void vista_detector_destroy(vista_detector *d) {
 
 void vista_detector_forget(vista_detector *d) {
   vista_pipeline_reset(d->pipeline);
+  if (d->watch != NULL) vista_watch_begin_anew(d->watch);
   d->placed = false;
 }
 
@@ -277,6 +278,7 @@ static vista_status process(vista_detector *d, const vista_detector_place *place
   for (int32_t level = 1; level < d->levels.count; ++level)
     frame.coarser[level - 1] = vista_levels_words(&d->levels, level);
   if (place->anew || d->options.stills) vista_pipeline_reset(d->pipeline);
+  if (place->anew && d->watch != NULL) vista_watch_begin_anew(d->watch);
   const vista_status status = vista_pipeline_process(d->pipeline, &frame, &result->result);
   return status == VISTA_OK ? vista_pipeline_directions(d->pipeline, &result->directions) : status;
 }

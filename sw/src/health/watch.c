@@ -15,6 +15,8 @@
 #define SIDEWAYS_M 3.0
 #define FROZEN_SHARE 0.9
 #define STUCK_SHARE 0.2
+#define STILL_STUCK_SHARE 0.1 /* of what was stuck in the pair before */
+#define NOISE_KEPT 0.995 /* Dirt takes the noise away that tells it. */
 #define HELD 8 /* frames: those that the map of space keeps, and until a track is confirmed */
 #define GAP_S 0.5 /* between two pairs: longer than any source pauses, */
 #define GAP_TIMES 4.0 /* and than this one did before by so many times */
@@ -22,6 +24,12 @@
 #define STEP_M 0.4 /* that a pose may be off in one frame, */
 #define STEP_SHARE 0.15 /* and of the way */
 #define TURN_RAD 0.008
+#define CORRECTED_M 0.1 /* by which a navigation filter corrects itself */
+#define ACCELERATION_M_S2 10.0 /* of a vehicle that nothing else tells of, */
+#define ACCELERATION_MAX_M_S2 50.0 /* and of any */
+#define SCATTERS 5.0
+#define SCATTER_SHARE 0.1 /* of a pose, in the mean of the scatter */
+#define SHOWN_SHARE 0.5
 #define FOUND_SHARE 0.2 /* of the points that should be seen, */
 #define FOUND_BEFORE 0.4 /* after a frame in which more than this were */
 #define ASKED_MIN 24
@@ -39,12 +47,15 @@ void vista_watch_layout(vista_watch *w, vista_arena *arena, const vista_camera *
 
 void vista_watch_reset(vista_watch *w) {
   vista_coherence_reset(&w->coherence);
-  w->began = w->posed = w->was_found = w->refused = false;
-  w->passed_s = 0.0;
+  w->began = w->posed = w->was_found = w->stuck = false;
+  w->way = (vista_watched_way){0};
+  w->passed_s = w->noise = 0.0;
   w->doubted = w->restarted = w->jumped = w->differed = 0;
 }
 
 void vista_watch_time_went_back(vista_watch *w) { w->jumped = HELD + 1; }
+
+void vista_watch_begin_anew(vista_watch *w) { w->restarted = HELD + 1; }
 
 /* Columns and rows of an image. */
 typedef struct window {
@@ -109,15 +120,18 @@ static uint32_t bit(vista_health_reason reason) { return UINT32_C(1) << reason; 
 static uint32_t judge_images(vista_watch *w, const vista_image *const sides[2], double noise, bool moved,
                              const window *ahead) {
   uint32_t reasons = 0;
-  bool frozen[2] = {false, false}, asked[2] = {false, false};
+  bool frozen[2] = {false, false}, asked[2] = {false, false}, stuck = false;
+  const double share = w->stuck ? STILL_STUCK_SHARE : STUCK_SHARE;
+  w->noise = fmax(noise, (w->stuck ? 1.0 : NOISE_KEPT) * w->noise);
   for (int side = 0; side < 2; ++side) {
     if (sides[side]->data == NULL) continue;
     const shares s = compare(sides[side], w->before[side], ahead);
     asked[side] = w->began && (side == 0 || w->had_right);
     frozen[side] = at_least(s.same, s.whole, FROZEN_SHARE);
-    if (asked[side] && moved && noise > NOISE_MIN && at_least(s.same_ahead, s.ahead, STUCK_SHARE))
-      reasons |= bit(VISTA_HEALTH_VIEW_STUCK);
+    stuck |= asked[side] && moved && w->noise > NOISE_MIN && at_least(s.same_ahead, s.ahead, share);
   }
+  w->stuck = stuck;
+  if (stuck) reasons |= bit(VISTA_HEALTH_VIEW_STUCK);
   /* Without poses one camera that stands still tells itself by the other one, which does not. */
   const bool one = asked[0] && asked[1] && frozen[0] != frozen[1];
   if (one || (moved && ((asked[0] && frozen[0]) || (asked[1] && frozen[1])))) reasons = bit(VISTA_HEALTH_IMAGES_FROZEN);
@@ -156,13 +170,58 @@ static uint32_t held(int32_t *frames, bool found, vista_health_reason reason) {
   return *frames > 0 ? bit(reason) : 0;
 }
 
-/* Whether a pose is believed that does not go on where the one before, which was refused, was carried on to. */
-static bool is_elsewhere(const vista_watch *w, const vista_motion *motion, double passed_s) {
-  if (!w->refused || motion->source != VISTA_MOTION_POSE) return false;
-  double off_m[3];
-  for (int i = 0; i < 3; ++i)
-    off_m[i] = motion->pose.translation_m[i] - w->pose.translation_m[i] - w->velocity_m_s[i] * passed_s;
-  return vista_norm(off_m) > STEP_M + STEP_SHARE * vista_norm(w->velocity_m_s) * passed_s;
+typedef struct leading {
+  bool elsewhere; /* after poses that were refused or missing */
+  bool doubtful;  /* no image shows it */
+  bool impossible; /* images show it, and no vehicle moves so */
+} leading;
+
+/* Asks whether the images show most of what a pose is off the last velocity. */
+static bool is_shown(const vista_coherence_result *c, double off_m) {
+  return c->fitted && vista_norm(c->step_m) + 2.0 * c->step_sigma_m < SHOWN_SHARE * off_m;
+}
+
+static leading judge_way(vista_watched_way *way, const double step_m[3], double passed_s,
+                         const vista_coherence_result *c) {
+  leading found = {0};
+  double off[3];
+  for (int i = 0; i < 3; ++i) off[i] = step_m[i] - way->rate_m_s[i] * passed_s;
+  const double off_m = vista_norm(off), reach_s2 = 0.5 * passed_s * (passed_s + way->rate_s);
+  const double scatter_m = CORRECTED_M + SCATTERS * sqrt(way->scatter2_m2);
+  const double may_m = scatter_m + ACCELERATION_M_S2 * reach_s2;
+  const double ahead_m = vista_norm(way->rate_m_s) * passed_s;
+  if (way->refused || way->missed) {
+    const bool stands = vista_norm(step_m) < MOVED_M && off_m > scatter_m;
+    found.elsewhere = stands || off_m > (way->refused ? STEP_M + STEP_SHARE * ahead_m : may_m);
+    return found;
+  }
+  found.doubtful = off_m > may_m && !is_shown(c, off_m);
+  found.impossible = !found.doubtful && off_m > scatter_m + ACCELERATION_MAX_M_S2 * reach_s2;
+  const double share = fmax(SCATTER_SHARE, 1.0 / ++way->scattered);
+  way->scatter2_m2 += share * (vista_square(fmin(off_m, may_m)) - way->scatter2_m2);
+  return found;
+}
+
+/* Follows the poses that are believed, and judges where this one leads. */
+static leading follow_way(vista_watched_way *way, const vista_motion *motion, int64_t t_ns,
+                          const vista_coherence_result *c) {
+  leading found = {0};
+  way->refused |= motion->source == VISTA_MOTION_REFUSED;
+  way->missed |= motion->source == VISTA_MOTION_CARRIED_ON;
+  if (motion->source != VISTA_MOTION_POSE) return found;
+  if (motion->restarted) *way = (vista_watched_way){0};
+  const double passed_s = vista_seconds_between(way->t_ns, t_ns), *const at_m = motion->pose.translation_m;
+  double step_m[3];
+  for (int i = 0; i < 3; ++i) step_m[i] = at_m[i] - way->at_m[i];
+  if (way->rated) found = judge_way(way, step_m, passed_s, c);
+  way->rated = way->began;
+  way->rate_s = passed_s;
+  for (int i = 0; i < 3 && way->rated; ++i) way->rate_m_s[i] = step_m[i] / passed_s;
+  memcpy(way->at_m, at_m, sizeof way->at_m);
+  way->began = true;
+  way->refused = way->missed = false;
+  way->t_ns = t_ns;
+  return found;
 }
 
 bool vista_watch_words(vista_watch *w, bool differ) {
@@ -182,21 +241,19 @@ void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image
   const bool frozen = (found->reasons & bit(VISTA_HEALTH_IMAGES_FROZEN)) != 0;
   if (frozen) vista_coherence_reset(&w->coherence); /* what stands still tells neither offset nor velocity */
   vista_coherence_update(&w->coherence, left, result->views->words, motion, t_ns, &found->coherence);
-  const bool doubtful = moves_otherwise(w, &found->coherence, vista_norm(step_m));
-  found->reasons |= held(&w->doubted, frozen || doubtful, VISTA_HEALTH_MOTION_DOUBTFUL);
+  const leading way = follow_way(&w->way, motion, t_ns, &found->coherence);
+  const bool otherwise = moves_otherwise(w, &found->coherence, vista_norm(step_m));
+  found->reasons |= held(&w->doubted, frozen || otherwise || way.doubtful, VISTA_HEALTH_MOTION_DOUBTFUL);
   if (w->doubted == 0 && lacks_something(&found->coherence, motion->speed_m_s))
     found->reasons |= bit(VISTA_HEALTH_DISPARITIES_OFF);
   const double passed_s = w->began ? vista_seconds_between(w->t_ns, t_ns) : 0.0;
   const bool gap = w->passed_s > 0.0 && passed_s > fmax(GAP_S, GAP_TIMES * w->passed_s);
-  found->reasons |= held(&w->jumped, gap, VISTA_HEALTH_TIME_JUMP);
-  const bool anew = motion->restarted || is_elsewhere(w, motion, passed_s);
-  found->reasons |= held(&w->restarted, anew, VISTA_HEALTH_POSE_JUMP);
+  found->reasons |= held(&w->jumped, gap || way.impossible, VISTA_HEALTH_TIME_JUMP);
+  found->reasons |= held(&w->restarted, motion->restarted || way.elsewhere, VISTA_HEALTH_POSE_JUMP);
   w->began = true;
   w->t_ns = t_ns;
   w->passed_s = passed_s;
   w->had_right = right->data != NULL;
   w->posed = posed;
   w->pose = motion->pose;
-  w->refused = motion->source == VISTA_MOTION_REFUSED;
-  memcpy(w->velocity_m_s, motion->velocity_m_s, sizeof w->velocity_m_s);
 }

@@ -5,6 +5,9 @@
  *   vehicle moves, comes from a camera, a cable or a buffer that stands still: sensors have noise. What is burnt out to
  *   white says nothing, nor does an image without noise.
  * - Images that move otherwise than poses and disparities say (coherence.h).
+ * - Poses that lead where the last ones do not: farther from a steady velocity than their own scatter and the acceleration
+ *   of a vehicle explain. Where the images show that the vehicle did move so, it is the acceleration of no vehicle that
+ *   tells of a clock that is wrong. A pose after some that were refused or missing has to go on where they led.
  * - Times that go back, or leave a gap that is none of the source's.
  * - Whatever was placed by a pose that is not believed stays in the map and in the tracks for HELD frames; so long the
  *   frame is not healthy either. */
@@ -20,6 +23,17 @@
 #include "vista/pipeline.h"
 #include "vista/types.h"
 
+/* Where the poses that were believed lead. */
+typedef struct vista_watched_way {
+  bool began, rated;
+  bool refused, missed; /* a pose was, since the last one that was believed */
+  double at_m[3], rate_m_s[3];
+  double rate_s; /* that the rate was measured over */
+  double scatter2_m2; /* mean square of what they were off */
+  int32_t scattered; /* times */
+  int64_t t_ns;
+} vista_watched_way;
+
 typedef struct vista_watch {
   double radius_m; /* of the volume around the path */
   vista_camera camera;
@@ -28,10 +42,11 @@ typedef struct vista_watch {
   bool began;
   bool had_right;
   bool posed;
-  bool refused; /* the pose of the pair before was */
-  double velocity_m_s[3];
   vista_pose pose; /* of the pair before */
+  vista_watched_way way;
   bool was_found; /* most points were where the poses said */
+  double noise; /* of the camera: the most that was seen, which fades */
+  bool stuck; /* part of the view was, in the pair before */
   int64_t t_ns;
   double passed_s; /* between the two pairs before */
   int32_t jumped; /* frames for which the times are still too new */
@@ -53,6 +68,9 @@ void vista_watch_reset(vista_watch *watch);
 
 /* Says that a pair is older than the one before, after the reset that this calls for. */
 void vista_watch_time_went_back(vista_watch *watch);
+
+/* Says that tracks and map were forgotten. */
+void vista_watch_begin_anew(vista_watch *watch);
 
 /* Says whether words of a pair are not those of its images. Returns whether those of the pair are trusted, a few of which
  * were compared. */
