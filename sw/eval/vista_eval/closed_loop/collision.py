@@ -13,7 +13,7 @@ from vista_eval.render.motion import moves
 from vista_eval.render.outlines import outline_of
 from vista_eval.render.scene import Cylinder, Scene, Solid, Sphere, Thing
 
-BLOCK = 32  # triangles that are looked at together
+BLOCK, AT_ONCE = 32, 4  # triangles in a block, and blocks that are looked at before any is ruled out
 CLOSE_ENOUGH_M = 0.01  # to the least distance on a way
 ROUNDING_M = 1e-6
 
@@ -82,14 +82,17 @@ class Triangles:
         bound = np.sqrt(dots(outside, outside))
         best, owner = most_m, -1
         blocks = np.flatnonzero(bound < best)
-        for block in blocks[np.argsort(bound[blocks], kind="stable")]:
-            if bound[block] >= best:
-                break
-            rows = slice(block * BLOCK, (block + 1) * BLOCK)
-            distance = to_triangles_m(point, self.corners_m[rows])
-            k = int(np.argmin(distance))
-            if distance[k] < best:
-                best, owner = float(distance[k]), int(self.owner[rows][k])
+        blocks = blocks[np.argsort(bound[blocks], kind="stable")]
+        for first, last in ((0, AT_ONCE), (AT_ONCE, len(blocks))):  # those first that leave few of the others
+            chosen = blocks[first:last]
+            chosen = chosen[bound[chosen] < best]
+            if len(chosen):
+                rows = (chosen[:, None] * BLOCK + np.arange(BLOCK)).ravel()
+                rows = rows[rows < len(self.owner)]
+                distance = to_triangles_m(point, self.corners_m[rows])
+                k = int(np.argmin(distance))
+                if distance[k] < best:
+                    best, owner = float(distance[k]), int(self.owner[rows[k]])
         return best, owner
 
 

@@ -58,7 +58,9 @@ def fly_one(
     for."""
     out = folder / name_of(key)
     deciding = json.dumps([key, values, asdict(conditions), films, mcap], sort_keys=True)
-    digest = digest_of(deciding, code_digest(__name__), *map(native.library_path, LIBRARIES))
+    digest = digest_of(
+        deciding, code_digest(__name__), *map(native.library_path, (*LIBRARIES, "vista_render"))
+    )
 
     def flown() -> dict[str, Any]:
         world = FAMILIES[key.family].world(key.number, key.seed, key.speed_m_s)

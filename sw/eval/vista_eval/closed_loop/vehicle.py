@@ -63,7 +63,7 @@ def airframe() -> tuple[Any, Any]:
     except ModuleNotFoundError as error:
         raise InputError("vista fly", f"{error.name} is not installed: {INSTALL}") from None
     gains = {"kp_att": ATTITUDE_GAIN, "kd_att": RATE_GAIN}
-    tolerances = {"method": "RK23", "rtol": 1e-3, "atol": 1e-5}
+    tolerances = {"method": "RK23", "rtol": 1e-3, "atol": 1e-5, "first_step": STEP_S}
     return Model(quad_params | gains, control_abstraction="cmd_ctatt", integrator_kwargs=tolerances), Rotation
 
 

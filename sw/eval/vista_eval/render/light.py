@@ -12,7 +12,6 @@ from vista_eval.render.textures import layered, smoothstep
 # behind the aircraft, with shadows: what stands is darker below, and so is the ground beneath it.
 FROM_ALL_SIDES, FROM_ABOVE = 1.0, 0.5
 ABOVE = np.array([-0.45, 0.10, 0.89]) / np.linalg.norm([-0.45, 0.10, 0.89])
-OFF_SURFACE_M = 0.002  # where rays for shadows begin
 HORIZON, ZENITH, AROUND_SUN = 0.85, 0.40, 0.5  # radiance of a blue sky
 SUN_GLOW = 12.0  # how closely its glow surrounds the sun
 # Fair-weather clouds: how high they float, waves in their outline, and how bright they are in a sky that they
@@ -32,12 +31,9 @@ def reached(
 ) -> np.ndarray:
     """(n,) whether the light gets to a surface: it faces the light, and nothing is in between."""
     direction = towards.astype(np.float32)
-    found = normal @ direction > 0
-    facing = np.flatnonzero(found)
-    start = point_m[facing] + np.float32(OFF_SURFACE_M) * normal[facing]
-    ray = np.ascontiguousarray(np.broadcast_to(direction, start.shape))
+    found = np.asarray(normal @ direction > 0)
     for group in groups:
-        found[facing[group.hides(start, ray)]] = False
+        group.hide(found, point_m, normal, direction)
     return found
 
 

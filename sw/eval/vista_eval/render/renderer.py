@@ -8,7 +8,7 @@ cover (`wires`).
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import cv2
@@ -18,12 +18,13 @@ from vista_eval.render import light
 from vista_eval.render.motion import is_static, moves, solids_at
 from vista_eval.render.rig import Rig, View
 from vista_eval.render.scene import Scene
-from vista_eval.render.surfaces import Hits, Surfaces, unit_rows
+from vista_eval.render.surfaces import Hits, Rays, Surfaces, unit_rows
 from vista_eval.render.wires import Wires, is_wire
 
 # Places in a pixel: on each row and each column of a grid of eight there is at most one.
 Offsets = tuple[tuple[float, float], ...]
 OFF_CENTER_PX: Offsets = ((-0.125, -0.375), (0.375, -0.125), (0.125, 0.375), (-0.375, 0.125))
+TILE_PX = 4
 CHANGE = 0.03  # of radiance without albedo maps: pixels that differ by more get more rays
 
 
@@ -84,12 +85,13 @@ class Renderer:
     def draw(self, pose: bytes) -> Picture:
         world_from_camera = np.frombuffer(pose).reshape(4, 4)
         shape = self.rig.height_px, self.rig.width_px
-        v, u = (index.ravel() for index in np.indices(shape))
-        middle = self.cast(world_from_camera, u, v)
+        u, v, tiles = pixels(shape)
+        middle = self.cast(world_from_camera, u, v, tiles)
         radiance = middle.radiance.copy()
-        more = np.flatnonzero(changes(middle, shape))
+        more = tiles[changes(middle, shape)[tiles]]
         for du, dv in self.beside:
-            beside = self.cast(world_from_camera, u[more] + du, v[more] + dv, middle.above[more])
+            order = np.arange(len(more))
+            beside = self.cast(world_from_camera, u[more] + du, v[more] + dv, order, middle.above[more])
             radiance[more] += beside.radiance
         radiance[more] /= 1 + len(self.beside)
         seen = View(middle.depth_m.reshape(shape), middle.label.reshape(shape))
@@ -101,16 +103,18 @@ class Renderer:
         world_from_camera: np.ndarray,
         u_px: np.ndarray,
         v_px: np.ndarray,
+        order: np.ndarray,
         above: np.ndarray | None = None,
     ) -> Samples:
-        """Rays through points of the image. above: what is known of the sky's light there."""
+        """Rays through points of the image. order: of the points, those first that are near each other;
+        above: what is known of the sky's light there."""
         rotation, focal = world_from_camera[:3, :3], self.rig.focal_px
         cu, cv = self.rig.center_px
         right, down = (u_px - cu)[:, None] / focal, (v_px - cv)[:, None] / focal
         # Of length 1 along the optical axis.
         ray = (right * rotation[:, 0] + down * rotation[:, 1] + rotation[:, 2]).astype(np.float32)
-        origin = np.repeat(world_from_camera[None, :3, 3].astype(np.float32), len(ray), axis=0)
-        sides = (rotation[:, 0] / focal).astype(np.float32), (rotation[:, 1] / focal).astype(np.float32)
+        sides = (rotation[:, :2] / focal).T.astype(np.float32)
+        rays = Rays(world_from_camera[:3, 3].astype(np.float32), ray, sides[0], sides[1], order)
         count = len(ray)
         found = Samples(
             np.zeros(count, np.float32),
@@ -121,18 +125,20 @@ class Renderer:
             np.ones(count, bool) if above is None else above,
         )
         parts = 0
-        for group, hits in zip(self.groups, self.nearest(origin, ray), strict=True):
-            self.shade(group, hits, origin, ray, sides, found, parts, above is None)
+        for group, hits in zip(self.groups, self.nearest(rays), strict=True):
+            self.shade(group, hits, rays, found, parts, above is None)
             parts += group.parts
         sky = np.flatnonzero(found.part < 0)
         found.radiance[sky] = light.sky_radiance(self.scene, unit_rows(ray[sky]))
         found.plain[sky] = found.radiance[sky]
         return found
 
-    def nearest(self, origin: np.ndarray, ray: np.ndarray) -> list[Hits]:
+    def nearest(self, rays: Rays) -> list[Hits]:
         """What of each group the rays meet first of all."""
-        met = [group.met(origin, ray) for group in self.groups]
-        nearest_m = np.full(len(ray), np.inf, np.float32)
+        met = [group.met(rays) for group in self.groups]
+        if len(met) == 1:
+            return met
+        nearest_m = np.full(len(rays.direction), np.inf, np.float32)
         for hits in met:
             nearest_m[hits.ray] = np.minimum(nearest_m[hits.ray], hits.depth_m)
         kept = [hits.depth_m <= nearest_m[hits.ray] for hits in met]
@@ -142,21 +148,17 @@ class Renderer:
         self,
         group: Surfaces,
         hits: Hits,
-        origin: np.ndarray,
-        ray: np.ndarray,
-        sides: tuple[np.ndarray, np.ndarray],
+        rays: Rays,
         found: Samples,
         parts: int,
         is_first: bool,
     ) -> None:
-        direction = ray[hits.ray]
-        point_m = origin[hits.ray] + hits.depth_m[:, None] * direction
-        matter = group.matter(hits, point_m, direction, sides)
-        sun = light.reached(self.groups, point_m, matter.normal, self.to_sun)
+        matter = group.matter(hits, rays)
+        sun = light.reached(self.groups, matter.point_m, matter.normal, self.to_sun)
         if is_first:
-            found.above[hits.ray] = light.reached(self.groups, point_m, matter.normal, light.ABOVE)
+            found.above[hits.ray] = light.reached(self.groups, matter.point_m, matter.normal, light.ABOVE)
         irradiance = light.irradiance(self.scene, matter.normal, sun, found.above[hits.ray])
-        distance_m = hits.depth_m * np.sqrt(np.einsum("ij,ij->i", direction, direction))
+        distance_m = np.linalg.norm(matter.point_m - rays.origin_m, axis=1)
         radiance = matter.albedo * irradiance / np.float32(np.pi)
         found.radiance[hits.ray] = light.through_air(self.scene.haze, radiance, distance_m)
         found.depth_m[hits.ray] = hits.depth_m
@@ -164,6 +166,14 @@ class Renderer:
         found.part[hits.ray] = matter.part + parts
         if is_first:
             found.plain[hits.ray] = matter.plain * irradiance / np.float32(np.pi)
+
+
+@cache
+def pixels(shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Columns and rows of all pixels, and their order by squares of TILE_PX: what Embree traces at a time
+    lies together."""
+    v, u = (index.ravel() for index in np.indices(shape))
+    return u, v, np.lexsort((u % TILE_PX, v % TILE_PX, u // TILE_PX, v // TILE_PX))
 
 
 def changes(samples: Samples, shape: tuple[int, int]) -> np.ndarray:

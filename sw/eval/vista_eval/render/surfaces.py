@@ -3,17 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cache
+from importlib.metadata import files
+from typing import Any, NamedTuple
+from weakref import finalize
 
 import numpy as np
-from embreex.mesh_construction import TriangleMesh  # type: ignore[import-untyped]
-from embreex.rtcore_scene import EmbreeScene  # type: ignore[import-untyped]
+from vista import native
+from vista.errors import InputError
 
 from vista_eval.render.albedo_maps import AlbedoMaps
 from vista_eval.render.outlines import Outline, joined, outline_of
 from vista_eval.render.scene import Mesh, Solid
 
-NO_MAP = -1
+NO_MAP = -1  # as in surfaces.h
+OFF_SURFACE_M = 0.002  # where rays for shadows begin
+
+
+class Rays(NamedTuple):
+    """Rays from one point, world."""
+
+    origin_m: np.ndarray  # (3,) float32
+    direction: np.ndarray  # (n, 3) float32
+    right: np.ndarray  # (3,) how the direction changes over a pixel to the right
+    down: np.ndarray
+    order: np.ndarray  # (n,) int64 of the rays, those first that are near each other
 
 
 class Hits(NamedTuple):
@@ -22,13 +36,18 @@ class Hits(NamedTuple):
     ray: np.ndarray  # its index among the rays
     depth_m: np.ndarray  # in units of the ray's direction
     face: np.ndarray
-    weights: np.ndarray  # (n, 2) of the face's second and third corner
+    second: np.ndarray  # weight of the face's second corner
+    third: np.ndarray
+
+
+HIT_KINDS = (np.float32, np.int32, np.float32, np.float32)  # of all but the ray
 
 
 @dataclass(frozen=True)
 class Matter:
     """What is there where rays have met surfaces."""
 
+    point_m: np.ndarray  # (n, 3)
     albedo: np.ndarray  # (n,)
     plain: np.ndarray  # (n,) albedo without maps
     normal: np.ndarray  # (n, 3) unit, towards the viewer
@@ -60,9 +79,9 @@ class Surfaces:
         maps = [parts[k][1].albedo for k in mapped]
         self.maps = AlbedoMaps(maps)
         self.place_maps()
-        self.scene = EmbreeScene()
-        if len(self.faces):
-            TriangleMesh(self.scene, self.corners_m, self.faces)
+        self.ffi, self.library = native.load("vista_render")
+        self.shown = self.shared()
+        self.obstructions = self.opened()
 
     def place_maps(self) -> None:
         """Works out, for each face with a map, how places in it follow from points in the world, and its
@@ -83,58 +102,91 @@ class Surfaces:
                 self.normals[rows] = outline.normals[outline.faces]
             row = rows.stop
 
-    def met(self, origin_m: np.ndarray, direction: np.ndarray) -> Hits:
-        """The nearest surface that each ray (n, 3) meets."""
-        if not len(self.faces) or not len(origin_m):
-            none = np.zeros(0, np.int32)
-            return Hits(none, np.zeros(0, np.float32), none, np.zeros((0, 2), np.float32))
-        found = self.scene.run(origin_m, direction, query="INTERSECT", output=True)
-        ray = np.flatnonzero(found["primID"] >= 0)
-        weights = np.stack([found["u"][ray], found["v"][ray]], axis=1)
-        return Hits(ray, found["tfar"][ray], found["primID"][ray], weights)
+    def shared(self) -> Any:
+        """The arrays of the surfaces as C reads them."""
+        shown = self.ffi.new("vista_surfaces *")
+        arrays = {
+            "corner": (self.faces, np.int32),
+            "corner_albedo": (self.albedo, np.float32),
+            "face_normal": (self.face_normal, np.float32),
+            "row": (self.row, np.int32),
+            "map": (self.map_of, np.int32),
+            "slope": (self.slope, np.float32),
+            "offset": (self.offset, np.float32),
+            "corner_normals": (self.normals, np.float32),
+            "size": (self.maps.sizes, np.int32),
+            "start": (self.maps.starts, np.int64),
+            "texels": (self.maps.texels, np.float32),
+        }
+        self.kept = {name: np.ascontiguousarray(array, kind) for name, (array, kind) in arrays.items()}
+        for name, array in self.kept.items():
+            setattr(shown, name, self.pointer(array))
+        shown.levels = self.maps.sizes.shape[1]
+        return shown
 
-    def hides(self, origin_m: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """(n,) whether anything is in the way of each ray."""
-        if not len(self.faces) or not len(origin_m):
-            return np.zeros(len(origin_m), bool)
-        return np.asarray(self.scene.run(origin_m, direction, query="OCCLUDED")) >= 0
+    def pointer(self, array: np.ndarray) -> Any:
+        kind = "float" if array.dtype == np.float32 else f"{array.dtype}_t"
+        return self.ffi.from_buffer(f"{kind}[]", array)
 
-    def matter(
-        self, hits: Hits, point_m: np.ndarray, ray: np.ndarray, sides: tuple[np.ndarray, np.ndarray]
-    ) -> Matter:
-        """The matter at `point_m` (n, 3) of the hits, seen along `ray` (n, 3). sides: how the direction of a
-        ray changes over its pixel to the right and down, world."""
-        normal = self.face_normal[hits.face]
-        row = self.row[hits.face]
-        mapped = np.flatnonzero(row != NO_MAP)
-        plain = self.corner_albedo(hits)
-        albedo, row = plain.copy(), row[mapped]
-        if len(mapped):
-            du, dv = (
-                self.moved(row, footprint(side, ray[mapped], normal[mapped], hits.depth_m[mapped]))
-                for side in sides
+    def opened(self) -> Any:
+        """The triangles as rays meet them."""
+        found = self.ffi.new("vista_obstructions *")
+        finalize(self, self.library.vista_rays_close, found)
+        if len(self.faces):
+            self.kept["padded"] = np.pad(self.corners_m, ((0, 2), (0, 0)))
+            corners, faces = self.pointer(self.kept["padded"]), self.pointer(self.faces.view(np.uint32))
+            path = embree().encode()
+            if not self.library.vista_rays_open(
+                found, path, corners, len(self.corners_m), faces, len(self.faces)
+            ):
+                raise InputError(embree(), "Embree does not start")
+        return found
+
+    def met(self, rays: Rays) -> Hits:
+        """The nearest surface that each ray meets."""
+        count = len(rays.direction)
+        hits = Hits(np.empty(count, np.int64), *(np.empty(count, kind) for kind in HIT_KINDS))
+        if not len(self.faces):
+            return Hits(*(each[:0] for each in hits))
+        out = self.ffi.new("vista_hits *", [self.pointer(each) for each in hits])
+        seen, order = self.rays_of(rays), self.pointer(rays.order)
+        found = self.library.vista_rays_met(self.obstructions, seen, order, count, out)
+        return Hits(*(each[:found] for each in hits))
+
+    def rays_of(self, rays: Rays) -> Any:
+        vectors = (rays.origin_m, rays.right, rays.down)
+        return self.ffi.new("vista_rays *", [self.pointer(rays.direction), *(v.tolist() for v in vectors)])
+
+    def hide(self, reached: np.ndarray, point_m: np.ndarray, normal: np.ndarray, towards: np.ndarray) -> None:
+        """Takes those points (n, 3) out of `reached` (n,) from which something is in the way along one
+        direction (3,)."""
+        if len(self.faces):
+            shown = [self.pointer(np.ascontiguousarray(each, np.float32)) for each in (point_m, normal)]
+            out = self.ffi.from_buffer("bool[]", reached)
+            self.library.vista_rays_hide(
+                self.obstructions, len(reached), *shown, OFF_SURFACE_M, towards.tolist(), out
             )
-            place = self.moved(row, point_m[mapped]) + self.offset[row]
-            albedo[mapped] = self.maps.read(self.map_of[row], place, du, dv)
-            bent = self.round_normal(row, hits.weights[mapped])
-            is_round = np.any(bent != 0, axis=1)
-            normal[mapped[is_round]] = bent[is_round]
-        away = np.einsum("ij,ij->i", normal, ray) > 0
-        normal[away] *= -1
-        return Matter(albedo, plain, normal, self.label[hits.face], self.part[hits.face])
 
-    def corner_albedo(self, hits: Hits) -> np.ndarray:
-        a, b, c = (self.albedo[self.faces[hits.face, k]] for k in range(3))
-        second, third = hits.weights.T
-        return a + second * (b - a) + third * (c - a)
+    def matter(self, hits: Hits, rays: Rays) -> Matter:
+        """The matter where the rays meet the surfaces."""
+        count = len(hits.ray)
+        point_m, normal = np.empty((count, 3), np.float32), np.empty((count, 3), np.float32)
+        albedo, plain = np.empty(count, np.float32), np.empty(count, np.float32)
+        where = self.ffi.new("vista_hits *", [self.pointer(each) for each in hits])
+        out = self.ffi.new(
+            "vista_matter *", [self.pointer(each) for each in (point_m, normal, albedo, plain)]
+        )
+        self.library.vista_surfaces_look(self.shown, self.rays_of(rays), count, where, out)
+        return Matter(point_m, albedo, plain, normal, self.label[hits.face], self.part[hits.face])
 
-    def round_normal(self, row: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        a, b, c = (self.normals[row, k] for k in range(3))
-        return unit_rows(a + weights[:, :1] * (b - a) + weights[:, 1:] * (c - a))
 
-    def moved(self, row: np.ndarray, by_m: np.ndarray) -> np.ndarray:
-        """(n, 2) how much the place in the map changes over a vector (n, 3)."""
-        return np.einsum("nij,nj->ni", self.slope[row], by_m)
+@cache
+def embree() -> str:
+    """The path of the library that the package embreex carries. Its own binding traces one ray at a time."""
+    held = [file for file in files("embreex") or [] if file.name.startswith("libembree")]
+    if not held:
+        raise InputError("embreex", "it carries no Embree")
+    return str(held[0].locate())
 
 
 def place_of_point(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
@@ -145,13 +197,6 @@ def place_of_point(outline: Outline) -> tuple[np.ndarray, np.ndarray]:
     steps = np.stack([pb - pa, pc - pa], axis=2)  # (M, 2, 2)
     slope = steps @ np.linalg.pinv(edges)
     return slope, pa - np.einsum("nij,nj->ni", slope, a)
-
-
-def footprint(side: np.ndarray, ray: np.ndarray, normal: np.ndarray, depth_m: np.ndarray) -> np.ndarray:
-    """(n, 3) how far the point that a ray meets moves in its plane, when the ray turns by `side`."""
-    slant = np.einsum("ij,ij->i", normal, ray)
-    slant = np.where(np.abs(slant) < 1e-4, np.float32(1e-4), slant)
-    return depth_m[:, None] * (side - ray * (normal @ side / slant)[:, None])
 
 
 def unit_rows(vectors: np.ndarray) -> np.ndarray:

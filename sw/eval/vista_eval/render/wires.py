@@ -119,11 +119,11 @@ class Wires:
 def lamp(
     groups: list[Surfaces], point_m: np.ndarray, front: np.ndarray, radius_m: np.ndarray, towards: np.ndarray
 ) -> np.ndarray:
-    """(n,) 1 where the light reaches the wire, 0 where something else hides it."""
-    start = (point_m + (radius_m[:, None] + light.OFF_SURFACE_M) * front).astype(np.float32)
-    ray = np.ascontiguousarray(np.broadcast_to(towards.astype(np.float32), start.shape))
-    hidden = [group.hides(start, ray) for group in groups]
-    return 1.0 - np.any(hidden, axis=0)
+    """(n,) whether the light reaches the wire, or something else hides it."""
+    reached = np.ones(len(point_m), bool)
+    for group in groups:
+        group.hide(reached, point_m + radius_m[:, None] * front, front, towards.astype(np.float32))
+    return reached
 
 
 def together(
