@@ -51,8 +51,8 @@ lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated 
 	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 --top-module vista_stereo \
 	    rtl/lint/verilator.vlt -f rtl/vista_stereo.f || exit 1; done
 	@for d in "16 5 320" "32 11 1024"; do set -- $$d; \
-	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 -GMaxWidth=$$3 --top-module vista_raw_stereo \
-	    rtl/lint/verilator.vlt -f rtl/vista_raw_stereo.f || exit 1; done
+	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 -GMaxWidth=$$3 -GFrontEnd=1 --top-module vista_stereo \
+	    rtl/lint/verilator.vlt -f rtl/vista_stereo.f || exit 1; done
 	@for top in vista_smooth vista_pyramid vista_rectify; do for w in 32 1024; do \
 	  $(VERILATOR) --lint-only --quiet -Wall -GMaxWidth=$$w --top-module $$top rtl/lint/verilator.vlt \
 	    -f rtl/vista_frontend.f || exit 1; done; done
@@ -72,16 +72,16 @@ build/python/vista_rtl_abi.py: rtl/sim/vista_rtl.h scripts/make_binding.py | .ve
 
 build/lib/libvista_rtl_%.so: $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*.f) $(RTL_HARNESS) $(wildcard rtl/sim/*.h rtl/formal/*.svh) | $(RTL_TOOLS)
 	@echo "verilate $@"; rm -rf build/rtl/engine/$*; mkdir -p $(@D) build/rtl/engine/$*
-	@set -- $(subst _, ,$*); top=vista_stereo; front_end=; side=$$(( ($${3#w} + 15) / 16 + 1 )); \
-	  if [ $$# = 4 ]; then top=vista_raw_stereo; front_end="-GNumRows=$${4#r} -GMaxPoints=$$(( side * side ))"; fi; \
+	@set -- $(subst _, ,$*); front_end=; side=$$(( ($${3#w} + 15) / 16 + 1 )); \
+	  if [ $$# = 4 ]; then front_end="-GFrontEnd=1 -GNumRows=$${4#r} -GMaxPoints=$$(( side * side ))"; fi; \
 	  $(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
-	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DVISTA_ASSERT -Irtl/formal --top-module $$top --prefix Vvista_stereo \
+	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DVISTA_ASSERT -Irtl/formal --top-module vista_stereo --prefix Vvista_stereo \
 	  --Mdir build/rtl/engine/$* -CFLAGS "-fPIC -O1" -GNumDisparities=$${1#d} -GBlockSize=$${2#b} -GMaxWidth=$${3#w} \
-	  $$front_end -f rtl/$$top.f >build/rtl/engine/$*/build.log 2>&1 || \
+	  $$front_end -f rtl/vista_stereo.f >build/rtl/engine/$*/build.log 2>&1 || \
 	  { tail -n 20 build/rtl/engine/$*/build.log >&2; exit 1; }
 	@root=$$($(VERILATOR) --getenv VERILATOR_ROOT); \
 	  $(CXX) -std=c++17 -O2 -Wall -Wextra -Werror -fPIC -shared -Wl,-z,defs -Ibuild/rtl/engine/$* \
-	  $(if $(findstring _r,$*),-DVISTA_FRONT_END) -isystem $$root/include -isystem $$root/include/vltstd \
+	  -isystem $$root/include -isystem $$root/include/vltstd \
 	  $(RTL_HARNESS) build/rtl/engine/$*/libVvista_stereo.a build/rtl/engine/$*/libverilated.a -lpthread -o $@
 
 release-rtl: $(RTL_TOOLS) ## write the engine for D disparities, block B and frames up to W pixels wide as one file of plain Verilog; with R rows of the rectification, also its front end, for P control points a camera

@@ -5,6 +5,7 @@ rtl/src/vista_frame_input.sv
 rtl/src/vista_line_store.sv
 rtl/src/vista_delay.sv
 rtl/src/vista_framer.sv
+rtl/src/vista_match_slots.sv
 rtl/src/vista_prefilter.sv
 rtl/src/vista_row_delay.sv
 rtl/src/vista_cost_columns.sv

@@ -31,7 +31,7 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_right_winner", {"NumDisparities": 16, "CostW": 13, "RingW": 5}),
     ("vista_lr_check", {"NumDisparities": 16, "CostW": 17, "RingW": 5}),
     ("vista_lr_check", {"NumDisparities": 32, "CostW": 13, "RingW": 6}),
-    ("vista_framer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 32}),
+    ("matching_framer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 32}),
     ("vista_prefilter", {"MaxWidth": 32}),
     ("vista_line_store", {"Width": 9, "Depth": 40}),
     ("vista_row_delay", {"Width": 22, "BlockSize": 5, "MaxWidth": 32}),
@@ -68,15 +68,22 @@ def files_of(module: str) -> list[Path]:
     return bench_sources(files) + ([harness] if harness.is_file() else [])
 
 
-# Faults that an assertion of rtl/formal has to name: module, what is replaced in it, and by what.
+# Faults that an assertion of rtl/formal has to name: bench, module, what is replaced in it, and by what.
 PLANTED = [
-    ("vista_result_fifo", "32'(level_q) < Depth - InFlight", "32'(level_q) < Depth - 1"),  # overflows
     (
+        "vista_result_fifo",
+        "vista_result_fifo",
+        "32'(level_q) < Depth - InFlight",
+        "32'(level_q) < Depth - 1",
+    ),  # overflows
+    (
+        "vista_skid",
         "vista_skid",
         "if (~valid_q | ready_i) begin",
         "if (~valid_q | ready_i | valid_i) begin",
     ),  # a word is withdrawn
     (
+        "matching_framer",
         "vista_framer",
         "      active_q <= 1'b0;\n      fill_q   <= 1'b0;",
         "      active_q <= 1'b0;",
@@ -130,18 +137,19 @@ def planted(files: list[Path], module: str, right: str, wrong: str, folder: Path
     return [copy if file == source else file for file in files]
 
 
-@pytest.mark.parametrize(("module", "right", "wrong"), PLANTED, ids=[module for module, *_ in PLANTED])
+@pytest.mark.parametrize(("bench", "module", "right", "wrong"), PLANTED, ids=[bench for bench, *_ in PLANTED])
 def test_assertions_stop_the_simulation(
-    module: str, right: str, wrong: str, monkeypatch: pytest.MonkeyPatch
+    bench: str, module: str, right: str, wrong: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Assertions of overflow, handshake and states. Without a fault the benches above pass with the same
     assertions."""
     folder = BUILD / "units" / "planted" / module
-    files = planted(files_of(module), module, right, wrong, folder)
-    parameters = next(values for name, values in UNITS if name == module)
+    files = planted(files_of(bench), module, right, wrong, folder)
+    parameters = next(values for name, values in UNITS if name == bench)
     with pytest.raises((RuntimeError, SystemExit)):
-        run_unit(module, parameters, files, folder / "build", monkeypatch)
-    assert f"Assertion failed in {module}" in (folder / "build" / "run.log").read_text()
+        run_unit(bench, parameters, files, folder / "build", monkeypatch)
+    where = module if bench == module else f"{bench}.u_{module.removeprefix('vista_')}"
+    assert f"Assertion failed in {where}: " in (folder / "build" / "run.log").read_text()
 
 
 # Responses to writes that come a clock too early, and two.

@@ -39,7 +39,7 @@ $(BOARD_GATEWARE): $(BOARD_SOURCES) $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*
 	@$(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
 	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DVISTA_ASSERT -Irtl/formal --top-module board --prefix Vboard \
 	  --Mdir $(@D) -CFLAGS -std=c++17 -MAKEFLAGS "OPT_FAST=-O1" \
-	  -f rtl/vista_raw_stereo.f build/board/$*/board.v >build/board/$*/build.log 2>&1 || \
+	  -f rtl/vista_stereo.f build/board/$*/board.v >build/board/$*/build.log 2>&1 || \
 	  { tail -n 20 build/board/$*/build.log >&2; exit 1; }
 
 compile_board = root=$$($(VERILATOR) --getenv VERILATOR_ROOT); $(CXX) -std=c++17 -O2 -Wall -Wextra -Werror -o $@ \

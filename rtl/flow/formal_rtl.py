@@ -44,7 +44,8 @@ PROOFS = [
         INPUT,
     ),
     Proof("vista_axil", 3, "", ("src/vista_axil.sv",)),
-    Proof("vista_framer", 3, REFERENCE, (PACKAGE, "src/vista_framer.sv")),
+    Proof("vista_framer", 3, FRONT_END, (PACKAGE, "src/vista_framer.sv")),
+    Proof("vista_match_slots", 3, REFERENCE, (PACKAGE, "src/vista_match_slots.sv")),
     Proof(
         "vista_right_winner",
         3,

@@ -51,7 +51,7 @@ def released(config: Config) -> Path:
     """The file of `make release-rtl`, written anew when a source has changed."""
     build = build_of(config)
     makers = [ROOT / name for name in ("rtl/flow/release_rtl.py", "VERSION", "scripts/requirements/rtl.txt")]
-    digest = digest_of([*sources(f"{build.top}.f"), *makers], str(build))
+    digest = digest_of([*sources("vista_stereo.f"), *makers], str(build))
     folder = build.path.with_suffix(".parts")
     return made_once(build.path, folder, digest, functools.partial(release, build, build.path))
 
@@ -59,9 +59,8 @@ def released(config: Config) -> Path:
 def replay(config: Config, design: Path, trace: Path) -> Replayed:
     compiler, runner = commands()
     program = BUILD / "release" / f"{design.stem}.vvp"
-    front_end = ["-DFRONT_END"] if config.rows else []
     subprocess.run(
-        [*compiler, "-g2005", f"-DADDRESS_BITS={ADDRESS_BITS}", *front_end, "-s", "replay", "-o", program,
+        [*compiler, "-g2005", f"-DADDRESS_BITS={ADDRESS_BITS}", "-s", "replay", "-o", program,
          REPLAY, design],
         check=True, capture_output=True, text=True,
     )  # fmt: skip

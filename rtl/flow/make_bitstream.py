@@ -52,15 +52,15 @@ def gateware(folder: Path, numbers: list[int], mhz: float, address: str) -> None
 def netlist(folder: Path, numbers: list[int]) -> None:
     """Yosys reads the engine through slang, with its parameters worked in, and LiteX's Verilog by itself."""
     values = dict(zip(PARAMETERS, numbers, strict=True))
-    given = " ".join(f"-G {name}={value}" for name, value in values.items())
-    worked_in = " ".join(f"-unset {name}" for name in values)
+    given = "-G FrontEnd=1 " + " ".join(f"-G {name}={value}" for name, value in values.items())
+    worked_in = "-unset FrontEnd " + " ".join(f"-unset {name}" for name in values)
     script = f"""
 from pyosys import libyosys as ys
 design = ys.Design()
-engine = "{" ".join(map(str, sources("vista_raw_stereo.f")))}"
-ys.run_pass("read_slang --top vista_raw_stereo {given} " + engine, design)
+engine = "{" ".join(map(str, sources("vista_stereo.f")))}"
+ys.run_pass("read_slang --top vista_stereo {given} " + engine, design)
 ys.run_pass("read_verilog board.v", design)
-ys.run_pass("setparam {worked_in} board/t:vista_raw_stereo", design)
+ys.run_pass("setparam {worked_in} board/t:vista_stereo", design)
 ys.run_pass("synth_ecp5 -top board -json net.json", design)
 """
     (folder / "synth.py").write_text(script)

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes one build of the engine as a single file of plain Verilog: make release-rtl.
 
-The sources are SystemVerilog that only the slang front end parses. The file has one top module, vista_stereo
-or with its front end vista_raw_stereo, with the build parameters worked in, and is read by Yosys' own front
-end, Icarus Verilog and what else knows Verilog-2005. Nothing is optimised: memories are inferred from it as
-from the sources.
+The sources are SystemVerilog that only the slang front end parses. The file has one top module, vista_stereo,
+with the build parameters worked in, and is read by Yosys' own front end, Icarus Verilog and what else knows
+Verilog-2005. Nothing is optimised: memories are inferred from it as from the sources.
 """
 
 from __future__ import annotations
@@ -30,8 +29,8 @@ SCRIPT = """\
 from pyosys import libyosys as ys
 design = ys.Design()
 for command in '''
-read_slang --top {top} {parameters} {files}
-hierarchy -check -top {top}
+read_slang --top vista_stereo {parameters} {files}
+hierarchy -check -top vista_stereo
 proc
 opt_clean
 select -set enables t:$memwr_v2 %ci1:+[EN] %ci1 t:$mux %i
@@ -60,19 +59,15 @@ class Build:
     points: int = 0  # control points of a camera
 
     @property
-    def top(self) -> str:
-        return "vista_raw_stereo" if self.rows else "vista_stereo"
-
-    @property
     def parameters(self) -> dict[str, int]:
         core = {"NumDisparities": self.disparities, "BlockSize": self.block, "MaxWidth": self.width}
-        return core | ({"NumRows": self.rows, "MaxPoints": self.points} if self.rows else {})
+        return core | ({"FrontEnd": 1, "NumRows": self.rows, "MaxPoints": self.points} if self.rows else {})
 
     @property
     def path(self) -> Path:
         """The place of the file unless it is told."""
         front_end = f"_r{self.rows}_p{self.points}" * bool(self.rows)
-        name = f"{self.top}_d{self.disparities}_b{self.block}_w{self.width}{front_end}.v"
+        name = f"vista_stereo_d{self.disparities}_b{self.block}_w{self.width}{front_end}.v"
         return BUILD / "release" / name
 
     def __str__(self) -> str:
@@ -85,8 +80,8 @@ def release(build: Build, out: Path) -> None:
     folder = out.parent / f"{out.stem}.parts"
     folder.mkdir(parents=True, exist_ok=True)
     parameters = " ".join(f"-G {name}={value}" for name, value in build.parameters.items())
-    files = " ".join(map(str, sources(f"{build.top}.f")))
-    (folder / "write.py").write_text(SCRIPT.format(top=build.top, parameters=parameters, files=files))
+    files = " ".join(map(str, sources("vista_stereo.f")))
+    (folder / "write.py").write_text(SCRIPT.format(parameters=parameters, files=files))
     with (folder / "yosys.log").open("w") as log:
         command = [str(ROOT / ".venv" / "bin" / "python"), "write.py"]
         code = subprocess.run(command, cwd=folder, stdout=log, stderr=log).returncode

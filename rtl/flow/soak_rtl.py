@@ -51,7 +51,7 @@ def main() -> None:
     if args.of == "core":
         file_list, checked, configs, each_case = "vista_stereo.f", check, CONFIGS, 1
     else:
-        file_list, checked, configs = "vista_raw_stereo.f", check_front_end, FRONT_ENDS
+        file_list, checked, configs = "vista_stereo.f", check_front_end, FRONT_ENDS
         each_case = FRAMES_EACH_CASE
     digest = hashlib.sha256(b"".join(f.read_bytes() for f in sources(file_list))).hexdigest()
     place, kept = chosen_place(args), BUILD / f"soak_{args.of}"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of vista_framer, inside it, for any input at all: every frame that is taken begins to leave exactly once and
-// gives exactly W * H slots in raster order, with the flags of its columns and rows; slots are issued by leave of `go_i`
-// only; no pixel of a sound frame is dropped.
+// Properties of vista_framer, inside it, for any input at all: every frame that is taken gives exactly W * H slots in
+// raster order, with the flags of its columns and rows, and beside the first slot of each row its size and what else
+// belongs to it; slots are issued by leave of `go_i` only; no pixel of a sound frame is dropped.
 //
 // Assumed of vista_frame_input: only sizes that the engine takes are admitted.
 //
@@ -11,9 +11,8 @@ logic            f_started = 1'b0;
 logic [2:0]      f_n, f_in, f_out;  // frames taken, frames that had all of their slots
 logic [ColW-1:0] f_w, f_x;  // W - 1 of the frame that is followed; column of the next slot
 logic [RowW-1:0] f_h, f_y;
-logic [2:0]      f_since;  // clocks since a frame began to leave, saturating
-logic            f_narrow;
-logic            f_follow, f_wrap, f_end, f_begun, f_go, f_begin_follow, f_taken;
+logic [SideWidth-1:0] f_side;
+logic            f_follow, f_wrap, f_end, f_taken;
 logic [DataW-1:0] f_data;
 
 assign f_follow = (f_out == f_n) & (f_in != f_out);
@@ -28,34 +27,26 @@ always_ff @(posedge clk_i) begin
     if (f_in == f_n) begin
       f_w <= last_col_i;
       f_h <= last_row_i;
-      f_narrow <= params_i.narrow;
+      f_side <= side_i;
     end
   end
   if (slot_valid) begin
     f_x <= f_wrap ? '0 : f_x + 1'b1;
     if (f_wrap) f_y <= f_y + 1'b1;
   end
-  if (begin_now) f_begun <= 1'b1;
   if (f_end) begin
-    f_out   <= f_out + 1'b1;
+    f_out <= f_out + 1'b1;
+    f_x   <= '0;
+    f_y   <= '0;
+  end
+  f_taken <= valid_i & ready_o & ~drop;
+  f_data  <= data_i;
+  if (!rst_ni) begin
+    f_in    <= '0;
+    f_out   <= '0;
     f_x     <= '0;
     f_y     <= '0;
-    f_begun <= 1'b0;
-  end
-  f_since        <= begin_now ? 3'd1 : (f_since == 3'd4) ? f_since : f_since + 1'b1;
-  f_go           <= go_i;
-  f_begin_follow <= begin_now & f_follow;
-  f_taken        <= valid_i & ready_o & ~drop;
-  f_data         <= data_i;
-  if (!rst_ni) begin
-    f_in           <= '0;
-    f_out          <= '0;
-    f_x            <= '0;
-    f_y            <= '0;
-    f_begun        <= 1'b0;
-    f_since        <= 3'd4;
-    f_begin_follow <= 1'b0;
-    f_taken        <= 1'b0;
+    f_taken <= 1'b0;
   end
 end
 
@@ -74,24 +65,14 @@ always_comb begin
     if (slot_valid) begin
       assert (go_i && slot_col == f_x);
       if (f_follow) begin
-        assert (slot_d.first_col == (f_x == 0) && slot_d.last_col == (f_x == f_w));
-        assert (slot_d.first_row == (f_y == 0));
-        assert (slot_d.before_col == (32'(f_x) < NumDisparities - 1));
-        assert (slot_d.early_col == (32'(f_x) < NumDisparities - 1 + BlockSize));
-        assert (slot_d.last_row == (f_y == f_h) && f_end == (f_x == f_w && f_y == f_h));
-        assert (slot_d.leave == (32'(f_y) >= BlockSize));
-        assert (slot_d.match == (32'(f_y) >= BlockSize - 1 && 32'(f_x) >= FirstMatchCol));
-        assert (slot_d.match_row == (32'(f_y) >= BlockSize - 1 && 32'(f_w) >= FirstMatchCol));
+        assert (slot_next_o.first_col == (f_x == 0) && slot_next_o.last_col == (f_x == f_w));
+        assert (slot_next_o.first_row == (f_y == 0));
+        assert (slot_next_o.last_row == (f_y == f_h) && f_end == (f_x == f_w && f_y == f_h));
+        assert (slot_next_o.flat == (f_y == f_h && !f_h[0]));
+        if (f_x == 0) assert (last_col_o == f_w && last_row_o == f_h && side_o == f_side);
       end
     end
-    if (slot_o.valid) assert (f_go);
     if (f_end && f_follow) assert (f_x == f_w && f_y == f_h);
-
-    // Beginnings: one a frame, at the first column of a row no later than r, four clocks apart at least.
-    if (begin_now) assert (!f_begun && f_x == 0 && 32'(f_y) <= Radius && f_since == 3'd4);
-    if (f_end) assert (f_begun);
-    if (f_begin_follow) assert (begin_valid_o && begin_last_col_o == f_w && begin_last_row_o == f_h);
-    if (f_begin_follow) assert (begin_narrow_o == f_narrow);
 
     // Pixels.
     if (start) assert (admit_i);
@@ -108,37 +89,28 @@ always_comb begin
       assert (32'(width_less_1_q) >= MinWidth - 1 && 32'(width_less_1_q) < MaxWidth && last_row_q != 0);
       assert (col_q <= width_less_1_q && row_q <= last_row_q);
       assert (last_col_q == (col_q == width_less_1_q));
-      if (f_in - 3'd1 == f_n) assert (width_less_1_q == f_w && last_row_q == f_h && params_o.narrow == f_narrow);
+      if (f_in - 3'd1 == f_n) assert (width_less_1_q == f_w && last_row_q == f_h && side_o == f_side);
     end else begin
       assert (col_q == 0 && row_q == 0 && !last_col_q && !fill_q);
     end
     if (drain_q) begin
-      assert (32'(match_width_less_1_q) >= MinWidth - 1 && match_last_row_q != 0);
-      assert (match_wide_q == (32'(match_width_less_1_q) >= FirstMatchCol));
-      assert (drain_col_q <= match_width_less_1_q);
-      assert (drain_last_col_q == (drain_col_q == match_width_less_1_q));
-      assert (f_x == drain_col_q && f_y == match_last_row_q);
+      assert (32'(slot_width_less_1_q) >= MinWidth - 1);
+      assert (drain_col_q <= slot_width_less_1_q);
+      assert (drain_last_col_q == (drain_col_q == slot_width_less_1_q));
+      assert (f_x == drain_col_q && f_y != 0);
       assert (row_q == 0 || (row_q == 1 && col_q == 0));
       if (drain_col_q == 0) begin
         assert (!active_q);
-        if (f_out == f_n) assert (params_o.narrow == f_narrow);
+        if (f_out == f_n) assert (width_less_1_q == f_w && last_row_q == f_h && side_o == f_side);
       end
-      assert (f_begun == begun_q && (f_begun || (drain_col_q == 0 && 32'(f_y) <= Radius)));
-      if (f_out == f_n) assert (match_width_less_1_q == f_w && match_last_row_q == f_h);
+      if (f_out == f_n) assert (slot_width_less_1_q == f_w && f_y == f_h && slot_odd_q == !f_h[0]);
     end else if (row_q == 0) begin
       assert (f_x == 0 && f_y == 0);
     end else begin
       assert (f_x == col_q && f_y == row_q - 1'b1);
       if (f_x != 0 || f_y != 0) begin
-        assert (match_width_less_1_q == width_less_1_q && match_last_row_q == last_row_q);
-        assert (match_wide_q == (32'(width_less_1_q) >= FirstMatchCol));
-        assert (f_begun == begun_q);
-        assert (f_begun == (32'(f_y) > Radius || (32'(f_y) == Radius && f_x != 0)));
+        assert (slot_width_less_1_q == width_less_1_q && slot_odd_q == !last_row_q[0]);
       end
     end
-    if (f_x == 0 && f_y == 0) assert (!f_begun);
-    if (f_y != 0) assert (32'(rows_q) == ((32'(f_y) < BlockSize) ? 32'(f_y) : BlockSize));
-    assert (f_since <= 3'd4 && (f_x != 0 || f_since == 3'd4));
-    assert (32'(f_since) >= ((f_x < 3) ? 32'(f_x) : 3));
   end
 end

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drives the Verilated engine at C++ speed: vista_rtl.h. Built by `make rtl-engine`, and by the benches with waves,
-// coverage or mutants (tb/common/verilated.py). VISTA_FRONT_END: vista_raw_stereo, with the buffer of its pyramid,
-// Verilated under the name of vista_stereo.
+// coverage or mutants (tb/common/verilated.py). With the front end the buffer of its pyramid is here; without, its
+// streams rest.
 
 extern "C" {
 #include "vista_rtl.h"
@@ -57,10 +57,8 @@ struct vista_rtl {
     top->s_axil_awvalid = top->s_axil_wvalid = top->s_axil_arvalid = 0;
     top->s_axil_bready = top->s_axil_rready = 1;
     top->s_axil_wstrb = 15;
-#ifdef VISTA_FRONT_END
     top->store_axis_tready = 1;
     top->fetch_axis_tvalid = 0;
-#endif
     top->eval();
   }
 
@@ -68,9 +66,7 @@ struct vista_rtl {
   void edge() {
     Verilated::threadContextp(&context);  // there may be several engines; assertions fail in this one
     if (record) write_record();
-#ifdef VISTA_FRONT_END
     take_levels();
-#endif
     top->eval();
     const bool taken = top->s_axis_tvalid && top->s_axis_tready;
     top->clk_i = 1;
@@ -79,9 +75,7 @@ struct vista_rtl {
     waves.dump(static_cast<uint64_t>(10 * clock));
 #endif
     top->clk_i = 0;
-#ifdef VISTA_FRONT_END
     offer_levels();
-#endif
     top->eval();
 #ifdef VISTA_WAVES
     waves.dump(static_cast<uint64_t>(10 * clock + 5));
@@ -125,7 +119,6 @@ struct vista_rtl {
   }
 
  private:
-#ifdef VISTA_FRONT_END
   // The buffer of the pyramid is as large as it has to be, and always prompt.
   struct Beat {
     uint16_t data;
@@ -149,7 +142,6 @@ struct vista_rtl {
     t.fetch_axis_tuser = levels_.front().user;
     t.fetch_axis_tlast = levels_.front().last;
   }
-#endif
 
   // Inputs and outputs just before an edge, as tb/icarus/replay.v reads them.
   void write_record() {

@@ -144,35 +144,37 @@ module vista_rectify #(
   logic [ColW-1:0] store_col;
   logic [DataW-1:0] store_data;
 
-  // Only the pixels that it lets pass are wanted; its slots are for the matching.
+  logic begun_rectify, begun_bank;
+  logic [ColW-1:0] begun_last_col;
+  logic [RowW-1:0] begun_last_row;
+  logic [SideWidth-1:0] begun_side;
+
+  // Only the pixels that it lets pass are wanted, not its slots.
   vista_framer #(
-    .NumDisparities (16),
-    .BlockSize (5),
-    .MaxWidth (MaxWidth)
+    .MaxWidth  (MaxWidth),
+    .SideWidth (2 + SideWidth)
   ) u_framer (
     .clk_i,
     .rst_ni,
-    .valid_i          (head_valid),
-    .ready_o          (head_ready),
-    .sof_i            (head_sof),
-    .eol_i            (head_eol),
-    .data_i           (head),
-    .enable_i         (head_enable),
-    .admit_i          (head_admit),
-    .last_col_i       (head_last_col),
-    .last_row_i       (head_last_row),
-    .params_i         ('0),
-    .go_i             (take_go),
-    .slot_o           (),
-    .slot_col_o       (),
-    .params_o         (),
-    .store_valid_o    (store_valid),
-    .store_col_o      (store_col),
-    .store_data_o     (store_data),
-    .begin_valid_o    (),
-    .begin_last_col_o (),
-    .begin_last_row_o (),
-    .begin_narrow_o   (),
+    .valid_i         (head_valid),
+    .ready_o         (head_ready),
+    .sof_i           (head_sof),
+    .eol_i           (head_eol),
+    .data_i          (head),
+    .enable_i        (head_enable),
+    .admit_i         (head_admit),
+    .last_col_i      (head_last_col),
+    .last_row_i      (head_last_row),
+    .side_i          ({head_rectify, head_bank, head_side}),
+    .go_i            (take_go),
+    .slot_next_o     (),
+    .slot_next_col_o (),
+    .store_valid_o   (store_valid),
+    .store_col_o     (store_col),
+    .store_data_o    (store_data),
+    .last_col_o      (begun_last_col),
+    .last_row_o      (begun_last_row),
+    .side_o          ({begun_rectify, begun_bank, begun_side}),
     .frame_start_o,
     .error_early_eol_o,
     .error_late_eol_o,
@@ -181,20 +183,13 @@ module vista_rectify #(
     .error_size_o
   );
 
-  // What goes along with a frame, beside the framer's telling that it began, and whether one was dropped instead.
-  logic head_q, bank_q, rectify_q;
-  logic [ColW-1:0] last_col_q;
-  logic [RowW-1:0] last_row_q;
-  logic [SideWidth-1:0] side_q;
+  // A first pixel was taken, with the map of its frame. The framer tells in the same clock whether the frame began.
+  logic head_q, bank_q;
 
   always_ff @(posedge clk_i) begin
     head_q      <= head_valid & head_ready & head_sof & rst_ni;
     error_map_o <= head_valid & head_ready & head_sof & head_no_map & rst_ni;
     bank_q      <= head_bank;
-    rectify_q   <= head_rectify;
-    last_col_q  <= head_last_col;
-    last_row_q  <= head_last_row;
-    side_q      <= head_side;
   end
 
   // A first pixel is offered. Its frame has the map in force, and so keeps its bank.
@@ -214,7 +209,7 @@ module vista_rectify #(
     .clk_i,
     .rst_ni,
     .frame_start_i (frame_start_o),
-    .last_col_i    (last_col_q),
+    .last_col_i    (begun_last_col),
     .broken_i      (error_early_eol_o | error_late_eol_o | error_early_sof_o),
     .store_valid_i (store_valid),
     .store_col_i   (store_col),
@@ -240,7 +235,7 @@ module vista_rectify #(
     .rst_ni,
     .valid_i (frame_start_o),
     .ready_o (frame_room),
-    .data_i  ({last_col_q, last_row_q, number, rectify_q, bank_q, side_q}),
+    .data_i  ({begun_last_col, begun_last_row, number, begun_rectify, begun_bank, begun_side}),
     .valid_o (frame_valid),
     .ready_i (frame_ready),
     .data_o  ({frame_last_col, frame_last_row, frame_base, frame_on, frame_bank, frame_side})

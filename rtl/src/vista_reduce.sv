@@ -53,7 +53,7 @@ module vista_reduce #(
   localparam int unsigned VerticalW = PixelW + 4;
   localparam int unsigned SumW = PixelW + 8;
 
-  slot_t slot2;
+  video_slot_t slot2;
   logic go, odd_col2, odd_row2;
   logic [DataW-1:0] below2;
   logic [3:0][DataW-1:0] row2;

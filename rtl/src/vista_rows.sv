@@ -31,7 +31,7 @@ module vista_rows #(
 
   input  logic go_i,  // slots may be issued
 
-  output vista_stereo_pkg::slot_t        slot_o,
+  output vista_stereo_pkg::video_slot_t  slot_o,
   output logic                           odd_col_o,
   output logic                           odd_row_o,
   output logic [DataW-1:0]               below_o,  // row m+1
@@ -87,40 +87,38 @@ module vista_rows #(
     .busy_o     ()
   );
 
-  slot_t slot;
-  logic [ColW-1:0] slot_col, store_col;
+  video_slot_t next_slot;
+  logic [ColW-1:0] next_col, store_col, frame_last_col;
+  logic [RowW-1:0] frame_last_row;
   logic            store_valid;
   logic [DataW-1:0] store_data;
+  logic [SideWidth-1:0] frame_side;
 
-  // What is built for a number of disparities and a block in the framer is for the matching only.
   vista_framer #(
-    .NumDisparities (16),
-    .BlockSize (5),
-    .MaxWidth (MaxWidth)
+    .MaxWidth  (MaxWidth),
+    .SideWidth (SideWidth)
   ) u_framer (
     .clk_i,
     .rst_ni,
-    .valid_i          (head_valid),
-    .ready_o          (head_ready),
-    .sof_i            (head_sof),
-    .eol_i            (head_eol),
-    .data_i           (head),
-    .enable_i         (head_enable),
-    .admit_i          (head_admit),
-    .last_col_i       (head_last_col),
-    .last_row_i       (head_last_row),
-    .params_i         ('0),
+    .valid_i              (head_valid),
+    .ready_o              (head_ready),
+    .sof_i                (head_sof),
+    .eol_i                (head_eol),
+    .data_i               (head),
+    .enable_i             (head_enable),
+    .admit_i              (head_admit),
+    .last_col_i           (head_last_col),
+    .last_row_i           (head_last_row),
+    .side_i               (head_side),
     .go_i,
-    .slot_o           (slot),
-    .slot_col_o       (slot_col),
-    .params_o         (),
-    .store_valid_o    (store_valid),
-    .store_col_o      (store_col),
-    .store_data_o     (store_data),
-    .begin_valid_o    (),
-    .begin_last_col_o (),
-    .begin_last_row_o (),
-    .begin_narrow_o   (),
+    .slot_next_o          (next_slot),
+    .slot_next_col_o      (next_col),
+    .store_valid_o        (store_valid),
+    .store_col_o          (store_col),
+    .store_data_o         (store_data),
+    .last_col_o           (frame_last_col),
+    .last_row_o           (frame_last_row),
+    .side_o               (frame_side),
     .frame_start_o,
     .error_early_eol_o,
     .error_late_eol_o,
@@ -129,24 +127,17 @@ module vista_rows #(
     .error_size_o
   );
 
-  logic [ColW:0] width1_q;
-  logic [RowW-1:0] height1_q;
-  logic [SideWidth-1:0] side1_q;
-
   always_ff @(posedge clk_i) begin
-    width1_q  <= (ColW + 1)'(head_last_col) + 1'b1;
-    height1_q <= head_last_row + 1'b1;
-    side1_q   <= head_side;
     if (frame_start_o) begin
-      width_o  <= width1_q;
-      height_o <= height1_q;
-      side_o   <= side1_q;
+      width_o  <= (ColW + 1)'(frame_last_col) + 1'b1;
+      height_o <= frame_last_row + 1'b1;
+      side_o   <= frame_side;
     end
   end
 
   // The rows come out of the store two clocks later; the arriving pixel waits for them.
-  slot_t slot1_q;
-  logic [ColW-1:0] store_col1_q, store_col2_q;
+  video_slot_t slot_q, slot1_q;
+  logic [ColW-1:0] slot_col_q, store_col1_q, store_col2_q;
   logic odd_col1_q, store1_q, store2_q, odd_row_q;
   logic [DataW-1:0] below1_q;
 
@@ -159,16 +150,18 @@ module vista_rows #(
     .write_i      (store2_q),
     .write_col_i  (store_col2_q),
     .write_data_i ({row_o[NumRows-2:0], below_o}),
-    .read_col_i   (slot_col),
+    .read_col_i   (slot_col_q),
     .read_data_o  (row_o)
   );
 
   assign odd_row_o = odd_row_q & ~slot_o.first_row;
 
   always_ff @(posedge clk_i) begin
-    slot1_q      <= slot;
+    slot_q       <= next_slot;
+    slot_col_q   <= next_col;
+    slot1_q      <= slot_q;
     slot_o       <= slot1_q;
-    odd_col1_q   <= slot_col[0];
+    odd_col1_q   <= slot_col_q[0];
     odd_col_o    <= odd_col1_q;
     store1_q     <= store_valid;
     store2_q     <= store1_q;
@@ -178,6 +171,7 @@ module vista_rows #(
     below_o      <= below1_q;
     if (slot_o.valid & slot_o.last_col) odd_row_q <= ~odd_row_o;
     if (!rst_ni) begin
+      slot_q.valid  <= 1'b0;
       slot1_q.valid <= 1'b0;
       slot_o.valid  <= 1'b0;
       store1_q      <= 1'b0;

@@ -62,7 +62,7 @@ module vista_smooth #(
   localparam int unsigned SumW = PixelW + 4;
   localparam int unsigned AllSideW = SideWidth + RowW + ColW + 1;
 
-  slot_t slot2;
+  video_slot_t slot2;
   logic go, smooth2;
   logic [DataW-1:0] below2, above, below;
   logic [1:0][DataW-1:0] row2;
@@ -102,7 +102,7 @@ module vista_smooth #(
   );
 
   // 3: the vertical sums of column x+1; x and x-1 are kept.
-  slot_t slot3_q, center_q;
+  video_slot_t slot3_q, center_q;
   logic smooth3_q, center_smooth_q, last_pending_q;
   logic [DataW-1:0] grey3_q, grey_q;
   logic [AllSideW-1:0] side3_q;

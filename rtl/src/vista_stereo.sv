@@ -6,12 +6,18 @@
 //           Smin saturated, 0xFFFF for a pixel that is not matched; in the narrow format {disparity of the pixel to the
 //           right, disparity}, with -16 for the one that a row of odd width lacks
 //
+// With FrontEnd raw pairs come in, and each level of a frame leaves as a frame of its own, level 0 first; without it
+// nothing is built of the rectification, the pyramid and the smoothing, and the streams of their buffer rest.
+//
 // All of one clock; `rst_ni` is synchronous and, as AXI asks, to be held low for some clocks at power-up.
 
 module vista_stereo #(
   parameter int unsigned NumDisparities = 32,  // 16, 32 .. 256
   parameter int unsigned BlockSize = 11,       // odd, 5 .. 21
-  parameter int unsigned MaxWidth = 1024       // px, NumDisparities + BlockSize .. 65535
+  parameter int unsigned MaxWidth = 1024,      // px, NumDisparities + BlockSize .. 65535, with FrontEnd .. 4096
+  parameter bit          FrontEnd = 1'b0,
+  parameter int unsigned NumRows = 64,         // of the line buffer of rectification: 16, 32, 64 or 128
+  parameter int unsigned MaxPoints = 2048      // control points of a camera; rounded up to a power of two
 ) (
   input  logic clk_i,
   input  logic rst_ni,
@@ -27,6 +33,20 @@ module vista_stereo #(
   output logic [31:0] m_axis_tdata,
   output logic        m_axis_tuser,
   output logic        m_axis_tlast,
+
+  // The buffer of the pyramid, with FrontEnd: level 1 of the largest frame, first in first out (vista_pyramid).
+  output logic        store_axis_tvalid,
+  input  logic        store_axis_tready,
+  output logic [15:0] store_axis_tdata,
+  output logic        store_axis_tuser,
+  output logic        store_axis_tlast,
+
+  input  logic        fetch_axis_tvalid,
+  output logic        fetch_axis_tready,
+  input  logic [15:0] fetch_axis_tdata,
+  input  logic        fetch_axis_tuser,
+  input  logic        fetch_axis_tlast,
+  output logic        store_rst_no,  // 0: the buffer is to be emptied
 
   input  logic        s_axil_awvalid,
   output logic        s_axil_awready,
@@ -55,16 +75,20 @@ module vista_stereo #(
 
   localparam int unsigned ColW = $clog2(MaxWidth);
 
-  logic rst_nq, hard_rst_n, enable, busy;
-  logic [ColW:0]      width;
-  logic [HeightW-1:0] height;
+  logic rst_nq, hard_rst_n, enable, map_ready, busy;
+  logic [ColW:0] width, map_width;
+  logic [HeightW-1:0] height, map_height;
+  front_end_t         front_end;
   params_t            params;
+  map_load_t          map_load;
   events_t            events;
 
   vista_registers #(
     .NumDisparities (NumDisparities),
     .BlockSize (BlockSize),
-    .MaxWidth (MaxWidth)
+    .MaxWidth  (MaxWidth),
+    .NumRows   (FrontEnd ? NumRows : 0),
+    .MaxPoints (FrontEnd ? 2 ** $clog2(MaxPoints) : 0)
   ) u_registers (
     .clk_i,
     .rst_ni,
@@ -93,12 +117,12 @@ module vista_stereo #(
     .enable_o     (enable),
     .width_o      (width),
     .height_o     (height),
-    .front_end_o  (),
+    .front_end_o  (front_end),
     .params_o     (params),
-    .map_o        (),
-    .map_width_o  (),
-    .map_height_o (),
-    .map_ready_i  (1'b0),
+    .map_o        (map_load),
+    .map_width_o  (map_width),
+    .map_height_o (map_height),
+    .map_ready_i  (map_ready),
     .busy_i       (busy),
     .events_i     (events),
     .stall_in_i   (s_axis_tvalid & ~s_axis_tready),
@@ -106,10 +130,99 @@ module vista_stereo #(
     .word_ready_i (m_axis_tready)
   );
 
-  assign events.level_follows = 1'b0;
-  assign events.no_map        = 1'b0;
-  assign events.map_rows      = 1'b0;
-  assign events.map_size      = 1'b0;
+  assign store_rst_no = rst_nq;
+
+  // What comes to the core, and what it tells.
+  logic pixel_valid, pixel_ready, pixel_sof, pixel_eol, pixel_enable, core_busy;
+  logic [2*PixelW-1:0] pixel;
+  logic [ColW:0]       pixel_width;
+  logic [HeightW-1:0]  pixel_height;
+  params_t             pixel_params;
+  events_t             core_events;
+
+  if (FrontEnd) begin : gen_front_end
+    events_t front_events;
+    logic    map_accepted;
+
+    vista_front_end #(
+      .MaxWidth  (MaxWidth),
+      .NumRows   (NumRows),
+      .MaxPoints (MaxPoints),
+      .SideWidth ($bits(params_t))
+    ) u_front_end (
+      .clk_i,
+      .rst_ni            (rst_nq),
+      .keep_map_i        (hard_rst_n),
+      .enable_i          (enable),
+      .width_i           (width),
+      .height_i          (height),
+      .front_end_i       (front_end),
+      .side_i            (params),
+      .map_i             (map_load),
+      .map_width_i       (map_width),
+      .map_height_i      (map_height),
+      .map_ready_o       (map_ready),
+      .map_accepted_o    (map_accepted),
+      .s_axis_tvalid,
+      .s_axis_tready,
+      .s_axis_tdata,
+      .s_axis_tuser,
+      .s_axis_tlast,
+      .store_axis_tvalid,
+      .store_axis_tready,
+      .store_axis_tdata,
+      .store_axis_tuser,
+      .store_axis_tlast,
+      .fetch_axis_tvalid,
+      .fetch_axis_tready,
+      .fetch_axis_tdata,
+      .fetch_axis_tuser,
+      .fetch_axis_tlast,
+      .m_axis_tvalid     (pixel_valid),
+      .m_axis_tready     (pixel_ready),
+      .m_axis_tdata      (pixel),
+      .m_axis_tuser      (pixel_sof),
+      .m_axis_tlast      (pixel_eol),
+      .width_o           (pixel_width),
+      .height_o          (pixel_height),
+      .side_o            (pixel_params),
+      .busy_o            (busy),
+      .events_o          (front_events)
+    );
+
+    // Errors are told of by the front end, which meets them first; a map that is refused is, one that is not needs no telling.
+    logic unused_events;
+    assign unused_events = ^{core_busy, core_events, map_accepted};
+
+    always_comb begin
+      events           = front_events;
+      events.frame_end = core_events.frame_end;
+    end
+
+    assign pixel_enable = 1'b1;
+  end else begin : gen_no_front_end
+    logic unused_front_end;
+    assign unused_front_end = ^{store_axis_tready, fetch_axis_tvalid, fetch_axis_tdata, fetch_axis_tuser,
+                                fetch_axis_tlast, front_end, map_load, map_width, map_height};
+
+    assign s_axis_tready     = pixel_ready;
+    assign pixel_valid       = s_axis_tvalid;
+    assign pixel_sof         = s_axis_tuser;
+    assign pixel_eol         = s_axis_tlast;
+    assign pixel             = s_axis_tdata;
+    assign pixel_enable      = enable;
+    assign pixel_width       = width;
+    assign pixel_height      = height;
+    assign pixel_params      = params;
+    assign busy              = core_busy;
+    assign map_ready         = 1'b0;
+    assign events            = core_events;
+    assign store_axis_tvalid = 1'b0;
+    assign store_axis_tdata  = '0;
+    assign store_axis_tuser  = 1'b0;
+    assign store_axis_tlast  = 1'b0;
+    assign fetch_axis_tready = 1'b0;
+  end
 
   vista_stereo_core #(
     .NumDisparities (NumDisparities),
@@ -119,29 +232,35 @@ module vista_stereo #(
     .clk_i,
     .rst_ni            (rst_nq),
     .bus_rst_ni        (hard_rst_n),
-    .enable_i          (enable),
-    .width_i           (width),
-    .height_i          (height),
-    .params_i          (params),
-    .pixel_valid_i     (s_axis_tvalid),
-    .pixel_ready_o     (s_axis_tready),
-    .pixel_sof_i       (s_axis_tuser),
-    .pixel_eol_i       (s_axis_tlast),
-    .pixel_i           (s_axis_tdata),
+    .enable_i          (pixel_enable),
+    .width_i           (pixel_width),
+    .height_i          (pixel_height),
+    .params_i          (pixel_params),
+    .pixel_valid_i     (pixel_valid),
+    .pixel_ready_o     (pixel_ready),
+    .pixel_sof_i       (pixel_sof),
+    .pixel_eol_i       (pixel_eol),
+    .pixel_i           (pixel),
     .word_valid_o      (m_axis_tvalid),
     .word_ready_i      (m_axis_tready),
     .word_sof_o        (m_axis_tuser),
     .word_eol_o        (m_axis_tlast),
     .word_o            (m_axis_tdata),
-    .busy_o            (busy),
-    .frame_start_o     (events.frame_start),
-    .frame_end_o       (events.frame_end),
-    .error_early_eol_o (events.early_eol),
-    .error_late_eol_o  (events.late_eol),
-    .error_early_sof_o (events.early_sof),
-    .error_late_sof_o  (events.late_sof),
-    .error_size_o      (events.size)
+    .busy_o            (core_busy),
+    .frame_start_o     (core_events.frame_start),
+    .frame_end_o       (core_events.frame_end),
+    .error_early_eol_o (core_events.early_eol),
+    .error_late_eol_o  (core_events.late_eol),
+    .error_early_sof_o (core_events.early_sof),
+    .error_late_sof_o  (core_events.late_sof),
+    .error_size_o      (core_events.size)
   );
+
+  // Only a front end has them.
+  assign core_events.level_follows = 1'b0;
+  assign core_events.no_map        = 1'b0;
+  assign core_events.map_rows      = 1'b0;
+  assign core_events.map_size      = 1'b0;
 
 `ifdef VISTA_ASSERT
   `include "vista_bus_properties.svh"

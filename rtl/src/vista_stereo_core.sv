@@ -72,8 +72,10 @@ module vista_stereo_core #(
   logic [RowW-1:0] head_last_row;
   params_t head_params;
   logic results_go, writer_go, go_q;
+  video_slot_t next_slot;
   slot_t raw_slot;
-  logic [ColW-1:0] raw_col, store_col, begin_last_col;
+  logic [ColW-1:0] next_col, frame_last_col, raw_col, store_col, begin_last_col;
+  logic [RowW-1:0] frame_last_row;
   logic [RowW-1:0]     begin_last_row;
   logic                begin_narrow;
   params_t             raw_params;
@@ -114,39 +116,56 @@ module vista_stereo_core #(
   end
 
   vista_framer #(
-    .NumDisparities (NumDisparities),
-    .BlockSize (BlockSize),
-    .MaxWidth (MaxWidth)
+    .MaxWidth  (MaxWidth),
+    .SideWidth ($bits(params_t))
   ) u_framer (
     .clk_i,
     .rst_ni,
-    .valid_i          (head_valid),
-    .ready_o          (head_ready),
-    .sof_i            (head_sof),
-    .eol_i            (head_eol),
-    .data_i           (head),
-    .enable_i         (head_enable),
-    .admit_i          (head_admit),
-    .last_col_i       (head_last_col),
-    .last_row_i       (head_last_row),
-    .params_i         (head_params),
-    .go_i             (go_q),
-    .slot_o           (raw_slot),
-    .slot_col_o       (raw_col),
-    .params_o         (raw_params),
-    .store_valid_o    (store_valid),
-    .store_col_o      (store_col),
-    .store_data_o     (store_data),
-    .begin_valid_o    (begin_valid),
-    .begin_last_col_o (begin_last_col),
-    .begin_last_row_o (begin_last_row),
-    .begin_narrow_o   (begin_narrow),
+    .valid_i              (head_valid),
+    .ready_o              (head_ready),
+    .sof_i                (head_sof),
+    .eol_i                (head_eol),
+    .data_i               (head),
+    .enable_i             (head_enable),
+    .admit_i              (head_admit),
+    .last_col_i           (head_last_col),
+    .last_row_i           (head_last_row),
+    .side_i               (head_params),
+    .go_i                 (go_q),
+    .slot_next_o          (next_slot),
+    .slot_next_col_o      (next_col),
+    .store_valid_o        (store_valid),
+    .store_col_o          (store_col),
+    .store_data_o         (store_data),
+    .last_col_o           (frame_last_col),
+    .last_row_o           (frame_last_row),
+    .side_o               (raw_params),
     .frame_start_o,
     .error_early_eol_o,
     .error_late_eol_o,
     .error_early_sof_o,
     .error_late_sof_o,
     .error_size_o
+  );
+
+  vista_match_slots #(
+    .NumDisparities (NumDisparities),
+    .BlockSize (BlockSize),
+    .MaxWidth (MaxWidth)
+  ) u_match_slots (
+    .clk_i,
+    .rst_ni,
+    .slot_next_i          (next_slot),
+    .slot_next_col_i      (next_col),
+    .last_col_i           (frame_last_col),
+    .last_row_i           (frame_last_row),
+    .narrow_i             (raw_params.narrow),
+    .slot_o               (raw_slot),
+    .slot_col_o           (raw_col),
+    .begin_valid_o        (begin_valid),
+    .begin_last_col_o     (begin_last_col),
+    .begin_last_row_o     (begin_last_row),
+    .begin_narrow_o       (begin_narrow)
   );
 
   // Costs.

@@ -58,19 +58,31 @@ package vista_stereo_pkg;
     logic map_size;
   } events_t;
 
+  // A pixel of a frame, which stands beside the one below it (vista_framer).
   typedef struct packed {
     logic valid;
-    logic first_col;   // column 0
-    logic last_col;    // column W-1
+    logic first_col;  // column 0
+    logic last_col;   // column W-1
+    logic first_row;  // row 0
+    logic last_row;   // row H-1
+    logic flat;       // last row of an odd height: the x-Sobel is 0 there
+    logic cut;        // filler after a framing error: no disparity may come of it
+  } video_slot_t;
+
+  // The same for the matching (vista_match_slots).
+  typedef struct packed {
+    logic valid;
+    logic first_col;
+    logic last_col;
     logic before_col;  // column < D-1: no block that is matched contains it
     logic early_col;   // column < D-1+B: no column that counts leaves the block
-    logic first_row;   // row 0
-    logic last_row;    // row H-1
-    logic flat;        // last row of an odd height: the x-Sobel is 0 there
+    logic first_row;
+    logic last_row;
+    logic flat;
     logic leave;       // row >= B: a row leaves the block for the one that enters
     logic match_row;   // row >= B-1 of a frame that is wide enough: the row has matched pixels
     logic match;       // match_row and column >= D-1+2r: a pixel is matched
-    logic cut;         // filler after a framing error: no disparity may come of it
+    logic cut;
   } slot_t;
 
   // Sum over a column of the block: at most B * 255. The texture needs less (B * 63).

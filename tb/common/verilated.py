@@ -72,7 +72,7 @@ PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 def build(config: Config) -> Path:
     """The shared library of a configuration, built anew when a source has changed."""
     folder = BUILD / "top" / config.name
-    files = bench_sources("vista_raw_stereo.f" if config.rows else "vista_stereo.f")
+    files = bench_sources("vista_stereo.f")
     others = [*(ROOT / "rtl" / "formal").glob("*.svh"), *HARNESS.parent.glob("*.[ch]*"), Path(__file__)]
     others += config.stand.made_of if config.stand else []
     digest = digest_of([*files, *sorted(others)], repr(config), repr(VERILATOR_FLAGS))
@@ -83,19 +83,19 @@ def _build(config: Config, files: list[Path], folder: Path) -> None:
     stand = config.stand
     if stand:
         files = stand.files(config)
-    top = "vista_raw_stereo" if config.rows else "vista_stereo"
     flags = "-fPIC " + (stand.flags if stand else "-O1")
     flags += " -DVISTA_COVERAGE" * config.coverage
     flags += " -DVISTA_MUTANTS" * (stand is not None)
-    flags += " -DVISTA_FRONT_END" * bool(config.rows)
     command = [
         "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", *VERILATOR_FLAGS,
-        "--top-module", top, "--prefix", "Vvista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
+        "--top-module", "vista_stereo", "--prefix", "Vvista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
         *([] if stand and not stand.has_parameters else [
             f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
             f"-GMaxWidth={config.max_width}",
         ]),
-        *([f"-GNumRows={config.rows}", f"-GMaxPoints={config.points}"] if config.rows else []),
+        *([
+            "-GFrontEnd=1", f"-GNumRows={config.rows}", f"-GMaxPoints={config.points}",
+        ] if config.rows else []),
         *(["--trace-vcd"] if config.waves else []),
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),

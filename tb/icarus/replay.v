@@ -4,9 +4,9 @@
 // Out of reset, after the first one, every control output is compared in every clock, and data where they are valid. `x`
 // counts the valid data that hold an x, `differ` the clocks in which any output that is compared is another one.
 //
-// With FRONT_END the engine is vista_raw_stereo, and the buffer of its pyramid is here, as prompt as that beside the
-// Verilated engine. What goes through it is not in the trace, but an x in its framing counts, too. The filler of a
-// frame that was cut may be x there: no word of it leaves.
+// The buffer of the pyramid of a front end is here, as prompt as that beside the Verilated engine. What goes through it is
+// not in the trace, but an x in its framing counts, too. The filler of a frame that was cut may be x there: no word of it
+// leaves.
 //
 // +trace=FILE  lines of inputs and outputs, as vista_rtl_record writes them
 
@@ -31,7 +31,6 @@ module replay;
   wire irq_o;
   wire [1:0] s_axil_bresp, s_axil_rresp;
 
-`ifdef FRONT_END
   wire store_axis_tvalid, store_axis_tuser, store_axis_tlast, fetch_axis_tready, store_rst_no;
   wire [15:0] store_axis_tdata;
   wire [17:0] stored = {store_axis_tdata, store_axis_tuser, store_axis_tlast};
@@ -40,14 +39,11 @@ module replay;
   reg [17:0] buffer [0:BUFFER-1];
   integer first, behind;  // of the beats in the buffer, and behind the last one
 
-  vista_raw_stereo dut (
+  vista_stereo dut (
     .store_axis_tvalid(store_axis_tvalid), .store_axis_tready(1'b1), .store_axis_tdata(store_axis_tdata),
     .store_axis_tuser(store_axis_tuser), .store_axis_tlast(store_axis_tlast),
     .fetch_axis_tvalid(fetch_axis_tvalid), .fetch_axis_tready(fetch_axis_tready), .fetch_axis_tdata(fetched[17:2]),
     .fetch_axis_tuser(fetched[1]), .fetch_axis_tlast(fetched[0]), .store_rst_no(store_rst_no),
-`else
-  vista_stereo dut (
-`endif
     .clk_i(clk_i), .rst_ni(rst_ni),
     .s_axis_tvalid(s_axis_tvalid), .s_axis_tready(s_axis_tready), .s_axis_tdata(s_axis_tdata),
     .s_axis_tuser(s_axis_tuser), .s_axis_tlast(s_axis_tlast),
@@ -76,9 +72,7 @@ module replay;
     file = $fopen(name, "r");
     clocks = 0; words = 0; x = 0; differ = 0; was_reset = 0; clk_i = 0;
     read = 1;
-`ifdef FRONT_END
     first = 0; behind = 0; fetch_axis_tvalid = 0; fetched = 0;
-`endif
     while (read > 0) begin
       read = $fscanf(file, "%b %b %h %b %b %h %b %h %b %b %h %b | %b %h %h\n",
                      rst_ni, stream, s_axis_tdata, m_axis_tready,
@@ -98,7 +92,6 @@ module replay;
               (s_axil_rvalid && ^s_axil_rdata === 1'bx)) x = x + 1;
           if (m_axis_tvalid && m_axis_tready) words = words + 1;
         end
-`ifdef FRONT_END
         if (was_reset && rst_ni && store_axis_tvalid && ^stored[1:0] === 1'bx) x = x + 1;
         if (fetch_axis_tvalid && fetch_axis_tready) first = (first + 1) % BUFFER;
         if (store_axis_tvalid) begin
@@ -106,13 +99,10 @@ module replay;
           behind = (behind + 1) % BUFFER;
         end
         if (!store_rst_no || !rst_ni) first = behind;
-`endif
         clk_i = 1;
         #5 clk_i = 0;
-`ifdef FRONT_END
         fetch_axis_tvalid = first != behind;
         fetched = buffer[first];
-`endif
         clocks = clocks + 1;
         if (!rst_ni) was_reset = 1;
       end

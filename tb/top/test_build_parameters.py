@@ -40,7 +40,7 @@ def test_legal_parameters_do_not(disparities: int, block: int, width: int) -> No
 
 
 def elaborate_block(top: str, parameters: str) -> subprocess.CompletedProcess[str]:
-    files = sources("vista_raw_stereo.f" if top == "vista_raw_stereo" else "vista_frontend.f")
+    files = sources("vista_stereo.f" if top == "vista_stereo" else "vista_frontend.f")
     return subprocess.run(
         ["verilator", "--lint-only", *VERILATOR_FLAGS, "--top-module", top,
          *(f"-G{parameter}" for parameter in parameters.split()), *map(str, files)],
@@ -50,12 +50,12 @@ def elaborate_block(top: str, parameters: str) -> subprocess.CompletedProcess[st
 
 @pytest.mark.parametrize(
     ("top", "parameters", "message"),
-    [("vista_raw_stereo", f"MaxPoints={points}", "MaxPoints must be")
+    [("vista_stereo", f"FrontEnd=1 MaxPoints={points}", "MaxPoints must be")
      for points in (0, 1, 3, (1 << 23) + 1, 1 << 24)]
-    + [("vista_raw_stereo", "MaxPoints=4", ""), ("vista_rectify", "MaxPoints=0", "MaxPoints must be"),
-       ("vista_raw_stereo", "NumRows=0", "NumRows must be"),
-       ("vista_raw_stereo", "MaxWidth=4097", "MaxWidth must be"),
-       ("vista_raw_stereo", "BlockSize=4", "BlockSize must be"),
+    + [("vista_stereo", "FrontEnd=1 MaxPoints=4", ""), ("vista_rectify", "MaxPoints=0", "MaxPoints must be"),
+       ("vista_stereo", "FrontEnd=1 NumRows=0", "NumRows must be"),
+       ("vista_stereo", "FrontEnd=1 MaxWidth=4097", "MaxWidth must be"),
+       ("vista_stereo", "FrontEnd=1 BlockSize=4", "BlockSize must be"),
        *((top, "SideWidth=0", "SideWidth must be") for top in ("vista_pyramid", "vista_rectify")),
        *(("vista_rectify", f"NumRows={rows}", "NumRows must be") for rows in (8, 48, 256)),
        *(("vista_rectify", f"MaxWidth={width}", "MaxWidth must be") for width in (3, 4097)),

@@ -11,8 +11,7 @@ pytestmark = pytest.mark.slow
 
 
 def listed() -> list[Path]:
-    """The engine, and what goes before it."""
-    return list(dict.fromkeys([*sources("vista_stereo.f"), *sources("vista_raw_stereo.f")]))
+    return sources("vista_stereo.f")
 
 
 def test_core_file_lists_the_sources() -> None:

@@ -26,7 +26,7 @@ async def start(dut) -> AxiLiteMaster:
     registers = AxiLiteMaster(
         AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk_i, dut.rst_ni, reset_active_level=False
     )
-    dut.rst_ni.value = 0
+    dut.rst_ni.value, dut.store_axis_tready.value, dut.fetch_axis_tvalid.value = 0, 0, 0
     await ClockCycles(dut.clk_i, 5)
     dut.rst_ni.value = 1
     await RisingEdge(dut.clk_i)

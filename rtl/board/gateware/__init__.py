@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gateware of a board, in LiteX: what feeds vista_raw_stereo from UDP and memory."""
+"""The gateware of a board, in LiteX: what feeds the engine with its front end from UDP and memory."""

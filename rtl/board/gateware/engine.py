@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""vista_raw_stereo as a block of LiteX: two streams, its registers, and the pyramid's buffer in memory."""
+"""vista_stereo with its front end as a block of LiteX: two streams, its registers, and the pyramid's buffer in memory."""
 
 from __future__ import annotations
 
@@ -60,10 +60,11 @@ class Engine(LiteXModule):
         self.comb += self.done.eq((self.write & bvalid) | (self.read & rvalid))
 
         self.specials += Instance(
-            "vista_raw_stereo",
+            "vista_stereo",
             p_NumDisparities=build.num_disparities,
             p_BlockSize=build.block_size,
             p_MaxWidth=build.max_width,
+            p_FrontEnd=1,
             p_NumRows=build.num_rows,
             p_MaxPoints=build.max_points,
             i_clk_i=ClockSignal(),

@@ -1,4 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
--f rtl/vista_frontend.f
--f rtl/vista_registers.f
-rtl/src/vista_raw_stereo.sv
