@@ -9,12 +9,14 @@ BOARD_BUILD = d$(D)_b$(B)_w$(W)_r$(if $(filter-out 0,$(R)),$(R),64)
 
 # For the Colorlight i9, unless others are given: what fits on its LFE5U-45F.
 given = $(if $(filter command environment,$(firstword $(origin $(1)))),$($(1)),$(2))
+PACKETS ?= 100000
+SEED ?= 1
 MHZ ?= 45
 ADDRESS ?= 192.168.1.50
 BITSTREAM = --disparities $(D) --block $(B) --width $(call given,W,640) --rows $(call given,R,32) \
   --points $(call given,P,1271) --mhz $(MHZ) --address $(ADDRESS)
 
-.PHONY: board-sim board-clocks bitstream
+.PHONY: board-sim board-clocks bitstream soak-packets
 
 .venv/board.stamp: $(REQUIREMENTS)/board.txt $(REQUIREMENTS)/litex_boards.txt $(SETUP) .venv/test.stamp
 	@$(SETUP) board
@@ -51,3 +53,17 @@ build/board/%/board-sim: rtl/board/sim/main.cpp $(BOARD_WIRE) $(BOARD_GATEWARE)
 
 build/board/%/board-clocks: sw/bench/board_clocks.cpp $(BOARD_WIRE) $(BOARD_GATEWARE) build/lib/libvista.a
 	@$(compile_board) build/lib/libvista.a -lm $(addprefix -Wl$(comma)--wrap=,clock_gettime nanosleep poll recv send)
+
+# The server by itself, for more packets than the whole board gets through.
+build/board/server/libserver.so: rtl/board/sim/server_alone.cpp $(BOARD_SOURCES) | $(BOARD_TOOLS)
+	@rm -rf $(@D); mkdir -p $(@D)
+	@PYTHONPATH=rtl/board $(RTL_PYTHON) -m gateware.server_alone $(@D)
+	@$(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial fast -Wno-fatal -Wno-lint --top-module server \
+	  --prefix Vserver --Mdir $(@D)/verilated -CFLAGS -fPIC -MAKEFLAGS "OPT_FAST=-O2" $(@D)/server.v >$(@D)/build.log 2>&1 || \
+	  { tail -n 20 $(@D)/build.log >&2; exit 1; }
+	@root=$$($(VERILATOR) --getenv VERILATOR_ROOT); $(CXX) -std=c++17 -O2 -Wall -Wextra -Werror -fPIC -shared -o $@ $< \
+	  -isystem $(@D)/verilated -isystem $$root/include -isystem $$root/include/vltstd \
+	  $(@D)/verilated/libVserver.a $(@D)/verilated/libverilated.a -pthread
+
+soak-packets: build/board/server/libserver.so ## send PACKETS packets that a board must not obey to its Verilated server, and compare the words of the frames between them
+	@$(RTL_PYTHON) rtl/flow/soak_packets.py --packets $(PACKETS) --seed $(SEED)

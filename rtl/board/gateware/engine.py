@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""vista_stereo with its front end as a block of LiteX: two streams, its registers, and the pyramid's buffer in memory."""
+"""vista_stereo with its front end in LiteX: streams, registers, and the pyramid's buffer in memory."""
 
 from __future__ import annotations
 
