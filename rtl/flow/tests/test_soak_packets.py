@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The server of the board against packets that it must not obey; one that it obeys is noticed."""
 
 import shutil
