@@ -1,4 +1,4 @@
-"""The max-flow against scipy and networkx, and against what a minimum cut has to be."""
+"""The max-flow against scipy, and against what a minimum cut has to be."""
 
 from __future__ import annotations
 
