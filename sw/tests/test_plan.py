@@ -27,7 +27,7 @@ def test_each_plan_ends_in_a_stop_that_is_held() -> None:
 
 @pytest.mark.parametrize("z_m", [12.0, 20.0])
 def test_it_leaves_its_way_before_a_board(z_m: float) -> None:
-    space = seen_world([Wall(z_m, (-2.0, 2.0))])
+    space = seen_world([Wall(z_m, (-2.0, 3.0))])
     decision = Planner(plan__climb_max_m_s=0.0).decide(space, state_of(velocity=(0.0, 0.0, 5.0)), goal_of())
     assert decision.action == "evades"
     assert abs(decision.options[decision.chosen].direction[0]) > 0.1

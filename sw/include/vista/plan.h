@@ -14,6 +14,8 @@
  * after it an escape, which ends in a stop (multirotor) or in a circle (fixed wing). It is taken only if all of it, the
  * escape included, lies in space that the last frames have seen to be free, as wide as obstacle_map.collision_radius_m
  * and twice the error of the position. So whoever hears no further decision is safe if he flies on by vista_plan_at.
+ * What was seen to be free some seconds ago counts as free when it is out of view; a level grid around the vehicle keeps
+ * what was seen for a minute, and tells the shortest way to the goal, which weighs the manoeuvres.
  * Where no manoeuvre passes, the escape of the decision before is flown. The circle of a fixed wing leads out of what its
  * camera sees: what no frame has in view counts as free there unless something is known to be in it (escape_seen).
  *
@@ -32,10 +34,9 @@
 VISTA_BEGIN
 
 #define VISTA_PLAN_MOST_POINTS 128  /* of a trajectory, at most */
-#define VISTA_PLAN_MOST_OPTIONS 224 /* that are weighed in a decision, at most */
-#define VISTA_PLAN_TRAIL 64    /* places that the vehicle has been at, which are kept */
-#define VISTA_PLAN_SECTORS 36  /* of the circle, of which the planner keeps how far they were free, */
-#define VISTA_PLAN_BLOCKS 256 /* and places at which they ended */
+#define VISTA_PLAN_MOST_OPTIONS 240 /* that are weighed in a decision, at most */
+#define VISTA_PLAN_SEEN 2048   /* places that were seen to be free, which are kept, at most */
+#define VISTA_PLAN_GRID 96     /* cells of half a radius along each side of the grid of ways */
 
 /* The vehicle at the time of the decision, not at that of the frame. */
 typedef struct vista_plan_state {
@@ -132,23 +133,34 @@ typedef struct vista_plan_decision {
   vista_plan_option options[VISTA_PLAN_MOST_OPTIONS]; /* the cheapest first */
 } vista_plan_decision;
 
+/* What the planner keeps of a cell of its grid, level, in the world. */
+typedef struct vista_plan_cell {
+  int32_t x, y; /* which one it is of those that share this memory */
+  float height_m; /* of the vehicle, when it was last seen */
+  uint8_t kind; /* 0: never seen, 1: free, 2: something ends a direction there */
+  int64_t t_ns;
+} vista_plan_cell;
+
+/* A place that was seen to be free, as wide as the vehicle. */
+typedef struct vista_plan_seen {
+  double point_m[3];
+  int64_t t_ns; /* 0: none */
+  bool stood; /* nobody saw it, but the vehicle was there */
+} vista_plan_seen;
+
 /* A planner, in memory of the caller. Its members are the library's own. */
 typedef struct vista_planner {
   vista_plan_params params;
   double radius_m;
-  bool began, committed; /* there was a state; `plan` holds the trajectory that is flown */
-  int32_t side; /* to which the way has been left: -1 to the right, 1 to the left, 0 neither */
-  int64_t side_ns, t_ns; /* when it was last left; of the last state */
+  bool began, committed, has_level; /* there was a state; `plan` holds the trajectory that is flown; `level` is set */
+  int32_t side; /* of the last circle: -1 to the right, 1 to the left, 0 none */
+  int64_t t_ns; /* of the last state */
   double wanted[3]; /* velocity that was decided last */
-  int32_t trail_count, trail_next;
-  double trail_m[VISTA_PLAN_TRAIL][3];
-  /* How far each direction was free when it was last in view, and where and when that was: */
-  double seen_m[VISTA_PLAN_SECTORS], seen_from_m[VISTA_PLAN_SECTORS][3];
-  int64_t seen_ns[VISTA_PLAN_SECTORS]; /* 0: never */
-  /* What ended directions, and when it was last seen; 0: it is gone. */
-  int32_t block_next;
-  double blocks_m[VISTA_PLAN_BLOCKS][3];
-  int64_t blocks_ns[VISTA_PLAN_BLOCKS];
+  vista_plan_seen seen[VISTA_PLAN_SEEN];
+  double level[2][3]; /* axes of the grid */
+  int32_t first[2]; /* its first cell in `way` and `length`, */
+  float way[VISTA_PLAN_GRID][VISTA_PLAN_GRID], length[VISTA_PLAN_GRID][VISTA_PLAN_GRID]; /* in sides of a cell */
+  vista_plan_cell cells[VISTA_PLAN_GRID * VISTA_PLAN_GRID];
   vista_plan_decision plan; /* the last one that was committed to */
 } vista_planner;
 

@@ -6,32 +6,28 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 #include "plan/primitives.h"
+#include "plan/way_field.h"
 
 #define LOOK_AHEAD_S 5.0
 #define LOOK_AHEAD_MIN_M 10.0
 #define LOOK_AHEAD_MAX_M 50.0
 #define SLOW_S 2.0     /* for so long a slower manoeuvre is slower */
 #define ENDS_S 10.0    /* what a way costs that ends at once, at something or where nobody can tell, */
-#define VIEW_S 2.5     /* and one that nobody has looked at */
 #define CHANGE_SHARE 0.6 /* of the time that a change of velocity takes */
-#define SIDE_S 3.0     /* for changing the side */
 #define CLIMB_S 0.3    /* for leaving the height: what is beside is seen better than what is above */
 #define STOP_S 16.0
 #define AWAY_RADII 3.0 /* A way that ends nearer, in radii of the vehicle, leads nowhere. */
 #define ARRIVE_SHARE 0.5 /* of the acceleration, to stop at the goal with */
 #define ARRIVE_S 1.0 /* and no faster than what is left of the way, over this */
-#define REMEMBERED_NS INT64_C(15000000000)
-#define MOVED_SHARE 0.25 /* of how far it was free: who has moved farther knows no more of that direction */
-#define BLOCK_SHARE 0.5 /* of the radius, between two places that are kept */
-#define BLOCK_COLUMNS 3 /* from one column whose end is kept to the next */
-#define BLOCK_RISE 2.0  /* in radii: a place that is higher or lower is on another way */
+#define BEGINS_S 1.2 /* so long at most a way begins straight, as it is weighed, */
+#define BEGINS_RADII 3.0 /* and so many radii at least */
 #define COLUMN_MARGIN 2 /* columns beside a direction that tell how far it is known to be free */
 #define SLOPE_MAX 0.35  /* of climbs and descents: what is steeper is out of view */
 #define UPRIGHT_LOOKS 3 /* places that are asked for on a way that climbs or descends */
 #define WIDE_SHARE 1.2  /* of the radius, beside something on a way ahead */
 
-/* Directions from that to the aim: cosine and sine of 0, 6, 12, 20, 30, 42, 56, 72, 90 and 120 degrees. */
-#define ANGLES 10
+/* Directions from that to the aim: cosine and sine of 0, 6, 12, 20, 30, 42, 56, 72, 90, 120, 150 and 180 degrees. */
+#define ANGLES 12
 #define STEEP_ANGLES 4 /* up to the one with this number, climbs and descents are weighed as well */
 static const double turns[ANGLES][2] = {{1.0, 0.0},
                                         {0.99452189536827333, 0.10452846326765347},
@@ -42,15 +38,13 @@ static const double turns[ANGLES][2] = {{1.0, 0.0},
                                         {0.55919290347074683, 0.82903757255504174},
                                         {0.30901699437494742, 0.95105651629515357},
                                         {0.0, 1.0},
-                                        {-0.5, 0.86602540378443865}};
+                                        {-0.5, 0.86602540378443865},
+                                        {-0.86602540378443865, 0.5},
+                                        {-1.0, 0.0}};
 static const double speeds[] = {1.0, 0.7, 0.4, 0.2};
 static const double climbs[] = {0.0, 1.0, -1.0}; /* of the greatest climb */
 #define SPEEDS ((int)(sizeof speeds / sizeof speeds[0]))
 #define CLIMBS ((int)(sizeof climbs / sizeof climbs[0]))
-
-/* Cosine and sine of 10 degrees: sectors are turned on from one to the next. */
-#define SECTOR_COS 0.98480775301220806
-#define SECTOR_SIN 0.17364817766693035
 
 static double look_ahead_m(double speed_m_s) {
   return fmin(fmax(LOOK_AHEAD_S * speed_m_s, LOOK_AHEAD_MIN_M), LOOK_AHEAD_MAX_M);
@@ -141,128 +135,10 @@ void vista_plan_take_directions(vista_plan_space *space, const vista_directions 
   }
 }
 
-/* Axes of the sectors: any level ones that depend on `up` alone. */
-static void sector_axes(const double up[3], double first[3], double second[3]) {
-  int least = 0;
-  for (int i = 1; i < 3; ++i)
-    if (fabs(up[i]) < fabs(up[least])) least = i;
-  double axis[3] = {0.0, 0.0, 0.0};
-  axis[least] = 1.0;
-  (void)vista_plan_level(up, axis, first);
-  vista_cross(up, first, second);
-}
-
-static int32_t sector_of(const double up[3], const double level[3]) {
-  double first[3], second[3];
-  sector_axes(up, first, second);
-  const double x = vista_dot(first, level), y = vista_dot(second, level);
-  double cosine = 1.0, sine = 0.0, best = -2.0;
-  int32_t found = 0;
-  for (int32_t k = 0; k < VISTA_PLAN_SECTORS; ++k) {
-    const double likeness = cosine * x + sine * y;
-    if (likeness > best) found = k;
-    best = fmax(best, likeness);
-    const double next = cosine * SECTOR_COS - sine * SECTOR_SIN;
-    sine = sine * SECTOR_COS + cosine * SECTOR_SIN;
-    cosine = next;
-  }
-  return found;
-}
-
-/* A place at which a direction ends, in the world. */
-static void block_at(const vista_plan_space *space, int32_t k, double world_m[3]) {
-  double ahead[3], right[3], camera_m[3];
-  vista_frame_level_axes(space->directions.up_camera, ahead, right);
-  for (int i = 0; i < 3; ++i) camera_m[i] = space->blocked_m[k][0] * ahead[i] + space->blocked_m[k][1] * right[i];
-  vista_frame_to_world(&space->seen.frame->motion.pose, camera_m, world_m);
-}
-
-static void remember_block(vista_planner *planner, const double world_m[3], int64_t t_ns) {
-  for (int32_t k = 0; k < VISTA_PLAN_BLOCKS; ++k) {
-    if (planner->blocks_ns[k] == 0 || vista_distance(planner->blocks_m[k], world_m) > BLOCK_SHARE * planner->radius_m)
-      continue;
-    planner->blocks_ns[k] = t_ns;
-    return;
-  }
-  memcpy(planner->blocks_m[planner->block_next], world_m, sizeof planner->blocks_m[0]);
-  planner->blocks_ns[planner->block_next] = t_ns;
-  planner->block_next = (planner->block_next + 1) % VISTA_PLAN_BLOCKS;
-}
-
-/* What is seen through by now is gone. */
-static void forget_blocks(vista_planner *planner, const vista_plan_space *space) {
-  const vista_directions *const d = &space->directions;
-  double ahead[3], right[3], camera_m[3];
-  vista_frame_level_axes(d->up_camera, ahead, right);
-  for (int32_t k = 0; k < VISTA_PLAN_BLOCKS; ++k) {
-    if (planner->blocks_ns[k] == 0) continue;
-    vista_frame_to_camera(&space->seen.frame->motion.pose, planner->blocks_m[k], camera_m);
-    const double x_m = vista_dot(camera_m, ahead), y_m = vista_dot(camera_m, right);
-    const double column = floor(VISTA_DEGREES_PER_RADIAN * atan2(y_m, x_m) - VISTA_DIRECTIONS_FIRST_DEG);
-    if (!(column >= 0.0 && column < VISTA_DIRECTIONS)) continue;
-    if (d->free_m[(int32_t)column] > hypot(x_m, y_m) + planner->radius_m) planner->blocks_ns[k] = 0;
-  }
-}
-
-void vista_plan_remember(vista_planner *planner, const vista_plan_space *space, const vista_plan_state *state) {
-  double first[3], second[3], level[3], cosine = 1.0, sine = 0.0;
-  forget_blocks(planner, space);
-  for (int32_t k = 0; k < space->blocked_count; k += BLOCK_COLUMNS) {
-    double world_m[3];
-    block_at(space, k, world_m);
-    remember_block(planner, world_m, state->t_ns);
-  }
-  sector_axes(state->up, first, second);
-  for (int32_t k = 0; k < VISTA_PLAN_SECTORS; ++k) {
-    for (int i = 0; i < 3; ++i) level[i] = cosine * first[i] + sine * second[i];
-    freedom found;
-    if (ask_columns(space, azimuth_deg(space, level), LOOK_AHEAD_MAX_M, &found)) {
-      planner->seen_m[k] = found.free_m;
-      planner->seen_ns[k] = state->t_ns;
-      memcpy(planner->seen_from_m[k], state->position_m, sizeof planner->seen_from_m[k]);
-    }
-    const double next = cosine * SECTOR_COS - sine * SECTOR_SIN;
-    sine = sine * SECTOR_COS + cosine * SECTOR_SIN;
-    cosine = next;
-  }
-}
-
-/* The nearest place on a level way, as wide as the vehicle, that something was seen at. */
-static freedom recall_block(const vista_planner *planner, const vista_plan_state *state, const double level[3],
-                            double most_m) {
-  freedom found = {.free_m = most_m};
-  for (int32_t k = 0; k < VISTA_PLAN_BLOCKS; ++k) {
-    if (planner->blocks_ns[k] == 0 || state->t_ns - planner->blocks_ns[k] > REMEMBERED_NS) continue;
-    double apart[3];
-    for (int i = 0; i < 3; ++i) apart[i] = planner->blocks_m[k][i] - state->position_m[i];
-    const double along_m = vista_dot(apart, level), rise_m = vista_dot(apart, state->up);
-    const double aside2 = vista_dot(apart, apart) - vista_square(along_m) - vista_square(rise_m);
-    if (along_m > 0.0 && along_m < found.free_m && fabs(rise_m) < BLOCK_RISE * planner->radius_m &&
-        aside2 < vista_square(WIDE_SHARE * planner->radius_m))
-      found = (freedom){along_m, VISTA_PLAN_BY_PLACE};
-  }
-  return found;
-}
-
-/* What is known of a level direction that is out of view. */
-static freedom recall(const vista_planner *planner, const vista_plan_state *state, const double level[3],
-                      double most_m) {
-  const freedom block = recall_block(planner, state, level, most_m), unseen = {.ends = VISTA_PLAN_BY_VIEW};
-  if (block.ends != VISTA_PLAN_CHOSEN) return block;
-  const int32_t k = sector_of(state->up, level);
-  if (planner->seen_ns[k] == 0 || state->t_ns - planner->seen_ns[k] > REMEMBERED_NS) return unseen;
-  double moved_m[3];
-  for (int i = 0; i < 3; ++i) moved_m[i] = state->position_m[i] - planner->seen_from_m[k][i];
-  if (vista_norm(moved_m) > MOVED_SHARE * planner->seen_m[k]) return unseen;
-  const double left_m = planner->seen_m[k] - vista_dot(moved_m, level);
-  return left_m >= most_m ? (freedom){.free_m = most_m} : (freedom){left_m, VISTA_PLAN_BY_VIEW};
-}
-
-static freedom level_freedom(const vista_planner *planner, const vista_plan_space *space, const vista_plan_state *state,
-                             const double level[3], double most_m) {
+static freedom level_freedom(const vista_plan_space *space, const double level[3], double most_m) {
   freedom found;
-  if (ask_columns(space, azimuth_deg(space, level), most_m, &found)) return found;
-  return recall(planner, state, level, most_m);
+  if (!ask_columns(space, azimuth_deg(space, level), most_m, &found)) found = (freedom){.ends = VISTA_PLAN_BY_VIEW};
+  return found;
 }
 
 static freedom steep_freedom(vista_plan_space *space, const vista_plan_state *state, const double direction[3],
@@ -317,9 +193,20 @@ static double change_s(const list *l, const double velocity_m_s[3]) {
   return CHANGE_SHARE * vista_norm(change) / l->planner->params.acceleration_max_m_s2;
 }
 
-static double ends_s(vista_plan_ruling ruling) {
-  if (ruling == VISTA_PLAN_CHOSEN) return 0.0;
-  return ruling == VISTA_PLAN_BY_VIEW ? VIEW_S : ENDS_S;
+/* What a way along a level direction costs, past all that was seen, and the turn to where it goes on. */
+static double level_s(const list *l, const double level[3], double speed_m_s) {
+  const double begins_m = fmin(fmax(BEGINS_S * speed_m_s, BEGINS_RADII * l->planner->radius_m), l->aim->distance_m);
+  const vista_plan_way way = vista_plan_way_along(l->planner, l->state->position_m, level, begins_m);
+  const double more_m = way.length_m - vista_distance(l->aim->point_m, l->state->position_m);
+  return more_m / l->aim->speed_m_s + CHANGE_SHARE * speed_m_s * way.turn / l->planner->params.acceleration_max_m_s2;
+}
+
+/* The same of one that climbs or descends: as long as it is free. */
+static double steep_s(const list *l, const double direction[3], const freedom *ahead) {
+  const double missing = ahead->ends == VISTA_PLAN_CHOSEN ? 0.0 : 1.0 - fmin(ahead->free_m / l->ahead_m, 1.0);
+  return CLIMB_S + ENDS_S * missing +
+         (missing > 0.0 && ahead->free_m < AWAY_RADII * l->planner->radius_m ? ENDS_S : 0.0) +
+         detour_s(l->state, l->aim, direction, l->ahead_m, l->aim->speed_m_s);
 }
 
 /* The manoeuvres of one direction: at each speed. */
@@ -339,14 +226,10 @@ static void add_speeds(const list *l, const double level[3], int32_t side, doubl
     for (int i = 0; i < 3; ++i) velocity[i] = speed_m_s * level[i] + rise_m_s * l->state->up[i];
     o.speed_m_s = vista_norm(velocity);
     for (int i = 0; i < 3; ++i) o.direction[i] = velocity[i] / o.speed_m_s;
-    o.cost_s = detour_s(l->state, l->aim, o.direction, l->ahead_m, l->aim->speed_m_s) + SLOW_S * (1.0 - speeds[k]) +
-               change_s(l, velocity) + (share != 0.0 ? CLIMB_S : 0.0);
-    const double missing = 1.0 - fmin(ahead->free_m / l->ahead_m, 1.0);
-    o.cost_s += ends_s(ahead->ends) * missing;
-    if (ends_s(ahead->ends) == ENDS_S && ahead->free_m < AWAY_RADII * p->radius_m) o.cost_s += ENDS_S;
+    o.cost_s = SLOW_S * (1.0 - speeds[k]) + change_s(l, velocity) +
+               (share != 0.0 ? steep_s(l, o.direction, ahead) : level_s(l, level, speed_m_s));
     o.free_m = ahead->free_m;
     o.ends = ahead->ends;
-    if (side != 0 && p->side == -side) o.cost_s += SIDE_S;
     add(l, o);
   }
 }
@@ -360,7 +243,7 @@ static void turn(const double up[3], const double level[3], int angle, int side,
 static void add_direction(const list *l, int angle, int side) {
   double level[3];
   turn(l->state->up, l->aim->level, angle, side, level);
-  const freedom ahead = level_freedom(l->planner, l->space, l->state, level, l->ahead_m);
+  const freedom ahead = level_freedom(l->space, level, l->ahead_m);
   const bool steep_too = angle <= STEEP_ANGLES && l->planner->params.climb_max_m_s > 0.0;
   for (int k = 0; k < CLIMBS; ++k) {
     if (climbs[k] != 0.0 && (!steep_too || ahead.ends == VISTA_PLAN_CHOSEN)) continue;
@@ -384,7 +267,7 @@ void vista_plan_list(const vista_planner *planner, vista_plan_space *space, cons
   decision->option_count = 0;
   for (int angle = 0; angle < ANGLES; ++angle)
     for (int side = -1; side <= 1; side += 2)
-      if (angle > 0 || side > 0) add_direction(&l, angle, angle > 0 ? side : 0);
+      if ((angle > 0 && angle < ANGLES - 1) || side > 0) add_direction(&l, angle, angle > 0 ? side : 0);
   const bool circles = planner->params.vehicle == VISTA_PLAN_VEHICLE_FIXED_WING;
   add(&l, (vista_plan_option){.primitive = circles ? VISTA_PLAN_LOITER : VISTA_PLAN_STOP, .cost_s = STOP_S});
 }

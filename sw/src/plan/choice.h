@@ -1,10 +1,10 @@
 /* Lists the manoeuvres that may be flown, and weighs them: the cheapest is asked for first.
  *
- * What a direction costs is time: the detour over the next LOOK_AHEAD_S, what is lost by flying slower, by the change of
- * velocity, and by changing the side to which the way has been left; and a share of what a way costs that ends at
- * something, or in what nobody has seen, by how much of the look ahead it leaves. How far a level direction is free
- * is what the frame says of its columns (vista/directions.h), as wide as the vehicle; outside of the view, what was seen
- * there a while ago. */
+ * What a direction costs is time: the way to the goal that begins along it, past all that was seen (plan/way_field.h), and
+ * what is lost by the turn to where that way goes on, by flying slower and by the change of velocity. A climb or a descent
+ * costs the detour, and a share of what a way costs that ends at something or in what nobody has seen, by how much of the
+ * look ahead it leaves. How far a level direction is free, and what ends it, is what the frame says of its columns
+ * (vista/directions.h), as wide as the vehicle. */
 #ifndef VISTA_PLAN_CHOICE_H
 #define VISTA_PLAN_CHOICE_H
 
@@ -25,9 +25,6 @@ vista_plan_aim vista_plan_aim_at(const vista_planner *planner, const vista_plan_
 
 /* Takes over what the columns of the frame say. */
 void vista_plan_take_directions(vista_plan_space *space, const vista_directions *directions);
-
-/* Keeps what the frame shows of each direction, for when it is out of view. */
-void vista_plan_remember(vista_planner *planner, const vista_plan_space *space, const vista_plan_state *state);
 
 /* Fills the options of *decision in, the cheapest first. wanted_m_s: the velocity of each of them. */
 void vista_plan_list(const vista_planner *planner, vista_plan_space *space, const vista_plan_state *state,

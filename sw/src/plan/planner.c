@@ -9,19 +9,19 @@
 #include "plan/choice.h"
 #include "plan/primitives.h"
 #include "plan/space.h"
+#include "plan/way_field.h"
 
 #define SIGMAS 2.0 /* of the position's error, by which the vehicle is wider */
 #define STILL_M_S 0.5
 #define ARRIVED_M 0.5 /* of a multirotor, from the goal; */
 #define ARRIVED_S 2.0 /* of a fixed wing, which has to be nearer than so long a flight */
-#define TRAIL_SHARE 0.25 /* of the radius, from one place of the trail to the next */
 #define OFF_SHARE 0.5 /* of the radius: a vehicle that is farther off its plan does not fly it */
 #define OFF_M_S 2.0
-#define SIDE_NS INT64_C(1500000000) /* after so long on the direct way no side counts any more */
 #define SIDE_MIN 0.15 /* sine of the angle from the aim that counts as a side */
 #define HELPLESS_MOST 24 /* manoeuvres that are asked for when nothing is free */
 #define LOOK_ASIDE 0.42 /* sine of the angle by which a vehicle that flies looks aside of its way at most, */
 #define LOOK_AHEAD 0.91 /* and its cosine, */
+#define TURN_S 3.0    /* to turn the camera round, once the vehicle stands */
 #define LOOKED 0.98 /* cosine of the angle to a direction that is looked at already */
 #define LOOK_SHARE 0.45 /* unless it is slower than this share of the goal's speed */
 
@@ -30,12 +30,18 @@ vista_status vista_planner_start(vista_planner *planner, const vista_parameters 
   const vista_status status = vista_parameters_check(parameters, NULL);
   if (status != VISTA_OK) return status;
   const vista_parameters own = vista_parameters_own(parameters);
-  *planner = (vista_planner){.params = own.plan, .radius_m = own.obstacle_map.collision_radius_m};
+  planner->params = own.plan;
+  planner->radius_m = own.obstacle_map.collision_radius_m;
+  vista_planner_reset(planner);
   return VISTA_OK;
 }
 
 void vista_planner_reset(vista_planner *planner) {
-  *planner = (vista_planner){.params = planner->params, .radius_m = planner->radius_m};
+  const vista_plan_params params = planner->params;
+  const double radius_m = planner->radius_m;
+  memset(planner, 0, sizeof *planner);
+  planner->params = params;
+  planner->radius_m = radius_m;
 }
 
 /* ---- what is given ---- */
@@ -55,18 +61,6 @@ static vista_status check(const vista_planner *planner, const vista_plan_state *
   return planner->began && state->t_ns < planner->t_ns ? VISTA_ERROR_ORDER : VISTA_OK;
 }
 
-static void leave_trail(vista_planner *p, const vista_plan_state *state) {
-  if (p->trail_count > 0) {
-    const double *const last_m = p->trail_m[(p->trail_next + VISTA_PLAN_TRAIL - 1) % VISTA_PLAN_TRAIL];
-    double moved_m[3];
-    for (int i = 0; i < 3; ++i) moved_m[i] = state->position_m[i] - last_m[i];
-    if (vista_norm(moved_m) < TRAIL_SHARE * p->radius_m) return;
-  }
-  memcpy(p->trail_m[p->trail_next], state->position_m, sizeof p->trail_m[0]);
-  p->trail_next = (p->trail_next + 1) % VISTA_PLAN_TRAIL;
-  if (p->trail_count < VISTA_PLAN_TRAIL) ++p->trail_count;
-}
-
 /* What the next trajectory begins with: the one that is flown, as long as the vehicle is on it. A controller corrects the
  * errors of a trajectory that goes on; of one that begins anew with each error it would never correct any. False: the
  * vehicle flies none, or has left it. */
@@ -75,6 +69,8 @@ static bool goes_on(const vista_planner *p, const vista_plan_state *state, vista
   if (!p->committed) return false;
   vista_plan_setpoint told;
   vista_plan_at(&p->plan, vista_seconds_between(p->plan.t_ns, state->t_ns), &told);
+  if (p->params.vehicle == VISTA_PLAN_VEHICLE_MULTIROTOR) /* what was measured would be fed back */
+    memcpy(from->acceleration_m_s2, told.acceleration_m_s2, sizeof from->acceleration_m_s2);
   if (!(vista_distance(told.position_m, state->position_m) < OFF_SHARE * p->radius_m) ||
       !(vista_distance(told.velocity_m_s, state->velocity_m_s) < OFF_M_S))
     return false;
@@ -130,9 +126,27 @@ static bool passes(work *w, vista_plan_option *option) {
   return false;
 }
 
+/* What a way costs that is flown once the vehicle stands and has turned to it. INFINITY: it looks there already. */
+static double looked_at_s(const work *w, const vista_plan_option *option) {
+  double wanted[3];
+  if (option->ruling != VISTA_PLAN_BY_VIEW || !vista_plan_level(w->state->up, option->direction, wanted))
+    return INFINITY;
+  const double likeness = vista_dot(wanted, w->state->heading);
+  if (likeness > LOOKED) return INFINITY;
+  return option->cost_s + vista_norm(w->state->velocity_m_s) / w->planner->params.acceleration_max_m_s2 +
+         TURN_S * 0.5 * (1.0 - likeness);
+}
+
+/* The cheapest manoeuvre that passes; -1: none. To stop and look where a cheaper way may be is one of them. */
 static int32_t first_that_passes(work *w) {
-  for (int32_t k = 0; k < w->decision->option_count && w->space.looks < VISTA_PLAN_LOOKS; ++k)
-    if (passes(w, &w->decision->options[k])) return k;
+  vista_plan_option *const options = w->decision->options;
+  double look_s = INFINITY;
+  int32_t last = w->decision->option_count - 1; /* the stop */
+  for (int32_t k = 0; k <= last && w->space.looks < VISTA_PLAN_LOOKS; ++k) {
+    if (look_s < options[k].cost_s && passes(w, &options[last])) return last;
+    if (passes(w, &options[k])) return k;
+    look_s = fmin(look_s, looked_at_s(w, &options[k]));
+  }
   return -1;
 }
 
@@ -195,16 +209,12 @@ static void look_for(const work *w, double heading[3]) {
   for (int i = 0; i < 3; ++i) heading[i] /= length;
 }
 
-/* The side to which the way was left counts until it has been direct again for a while. */
 static void keep_side(const work *w) {
   const vista_plan_decision *const d = w->decision;
-  vista_planner *const p = w->planner;
   double left[3];
   vista_cross(w->state->up, w->aim.level, left);
   const double aside = d->chosen >= 0 ? vista_dot(left, d->options[d->chosen].direction) : 0.0;
-  if (d->action != VISTA_PLAN_PROCEEDS) p->side_ns = w->state->t_ns;
-  if (fabs(aside) > SIDE_MIN) p->side = aside > 0.0 ? 1 : -1;
-  if (w->state->t_ns - p->side_ns > SIDE_NS) p->side = 0;
+  if (fabs(aside) > SIDE_MIN) w->planner->side = aside > 0.0 ? 1 : -1;
 }
 
 static void commit(const work *w) {
@@ -218,6 +228,12 @@ static void commit(const work *w) {
 }
 
 static bool stands(const work *w) { return !circles(w) && vista_norm(w->state->velocity_m_s) < STILL_M_S; }
+
+/* Whether it stops within what counts as the place where it is: another manoeuvre would be no safer. */
+static bool stops_here(const work *w) {
+  const double stop_m = vista_plan_stop_m(&w->planner->params, vista_norm(w->state->velocity_m_s));
+  return !circles(w) && stop_m < OFF_SHARE * w->planner->radius_m;
+}
 
 static vista_plan_action action_of(const work *w) {
   const vista_plan_option *const chosen = &w->decision->options[w->decision->chosen];
@@ -239,7 +255,7 @@ static void escape(work *w) {
   vista_plan_option found = stop;
   end_plan(w);
   d->action = stands(w) ? VISTA_PLAN_HOLDS : VISTA_PLAN_ESCAPES;
-  if (stands(w) || vista_plan_check(&w->space, d, true, &found)) return;
+  if (stops_here(w) || vista_plan_check(&w->space, d, true, &found)) return;
   d->action = VISTA_PLAN_HELPLESS;
   d->chosen = free_longest(w, found.after_s);
   if (d->chosen < 0)
@@ -280,7 +296,6 @@ vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipelin
   if (seen->frame->motion.restarted) vista_planner_reset(planner);
   planner->began = true;
   planner->t_ns = state->t_ns;
-  leave_trail(planner, state);
   memset(decision, 0, sizeof *decision); /* what is between its members, too: equal decisions are equal bytes */
   decision->t_ns = state->t_ns;
   decision->chosen = -1;
@@ -290,11 +305,14 @@ vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipelin
   w.space.seen = *seen;
   vista_plan_take_directions(&w.space, directions);
   w.space.planner = planner;
+  w.space.t_ns = state->t_ns;
   w.space.radius_m = planner->radius_m + SIGMAS * state->position_sigma_m;
   w.space.late_s = fmax(vista_seconds_between(seen->frame->t_ns, state->t_ns), 0.0);
   w.aim = vista_plan_aim_at(planner, &from, goal);
   w.arrived = !goal->passed && w.aim.distance_m < (circles(&w) ? ARRIVED_S * goal->speed_m_s : ARRIVED_M);
-  vista_plan_remember(planner, &w.space, state);
+  vista_plan_stand(&w.space, state->position_m);
+  vista_plan_keep(planner, &w.space, state);
+  vista_plan_spread(planner, &from, w.aim.point_m);
   decide(&w);
   return VISTA_OK;
 }

@@ -8,7 +8,7 @@
 #define STEP_S 0.1
 #define SUBSTEPS 2
 #define VELOCITY_S 0.4 /* first order of the velocity */
-#define JERK_M_S3 20.0
+#define JERK_M_S3 10.0 /* PX4 keeps to 8 unless it is told otherwise */
 #define UPRIGHT_SHARE 0.6 /* of the acceleration, that is there for climbs and descents */
 #define STILL_M_S 0.1
 #define YAW_RAD_S 1.2

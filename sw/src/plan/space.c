@@ -9,7 +9,8 @@
 #include "space/path_places.h"
 #include "space/space_map.h"
 
-#define OWN_SHARE 0.5 /* of the radius, around where the vehicle has been or is committed to: free */
+#define NEAR_SHARE 0.5 /* of the radius, around a place that was seen to be free: free, */
+#define KEPT_NS INT64_C(8000000000) /* for so long */
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
@@ -73,48 +74,80 @@ static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool mov
   return NULL;
 }
 
-static double segment_distance_m(const double from_m[3], const double to_m[3], const double point_m[3]) {
-  double along[3], apart[3], nearest_m[3];
-  for (int i = 0; i < 3; ++i) {
-    along[i] = to_m[i] - from_m[i];
-    apart[i] = point_m[i] - from_m[i];
-  }
-  const double length2 = vista_dot(along, along);
-  const double share = length2 > 0.0 ? fmin(fmax(vista_dot(along, apart) / length2, 0.0), 1.0) : 0.0;
-  for (int i = 0; i < 3; ++i) nearest_m[i] = from_m[i] + share * along[i];
-  return vista_distance(nearest_m, point_m);
+/* ---- what was seen to be free ---- */
+
+/* The memory of the places of a cube with sides of half a radius: of all that share it, the last one is kept. */
+static vista_plan_seen *seen_in(const vista_plan_space *space, const int64_t cube[3]) {
+  uint64_t hash = 0;
+  for (int i = 0; i < 3; ++i) hash = (hash ^ (uint64_t)cube[i]) * UINT64_C(0x9E3779B97F4A7C15);
+  return &space->planner->seen[(hash >> 32) % VISTA_PLAN_SEEN];
 }
 
-/* Where the vehicle has been, and where the plan that it is committed to leads, which was seen to be free. */
-static bool is_own(const vista_plan_space *space, const double point_m[3]) {
-  const vista_planner *const p = space->planner;
-  const double near_m = OWN_SHARE * p->radius_m;
-  for (int32_t k = 0; k < p->trail_count; ++k)
-    if (vista_distance(p->trail_m[k], point_m) <= near_m) return true;
-  for (int32_t k = 1; p->committed && p->plan.escape_seen && k < p->plan.point_count; ++k)
-    if (segment_distance_m(p->plan.points[k - 1].position_m, p->plan.points[k].position_m, point_m) <= near_m)
-      return true;
-  return false;
+static void cube_of(const vista_plan_space *space, const double point_m[3], int64_t cube[3]) {
+  for (int i = 0; i < 3; ++i) cube[i] = (int64_t)floor(point_m[i] / (NEAR_SHARE * space->planner->radius_m));
+}
+
+static bool is_kept_near(const vista_plan_space *space, const vista_plan_seen *seen, const double point_m[3]) {
+  return seen->t_ns != 0 && space->t_ns - seen->t_ns < KEPT_NS &&
+         vista_distance(seen->point_m, point_m) <= NEAR_SHARE * space->planner->radius_m;
+}
+
+/* A place that was free, half a radius away at most; null: none. One that was seen comes before one that was stood at. */
+static const vista_plan_seen *free_near(const vista_plan_space *space, const double point_m[3]) {
+  const vista_plan_seen *found = NULL;
+  int64_t cube[3], beside[3];
+  cube_of(space, point_m, cube);
+  for (int k = 0; k < 27; ++k) {
+    beside[0] = cube[0] + k % 3 - 1;
+    beside[1] = cube[1] + k / 3 % 3 - 1;
+    beside[2] = cube[2] + k / 9 - 1;
+    const vista_plan_seen *const seen = seen_in(space, beside);
+    if (!is_kept_near(space, seen, point_m)) continue;
+    if (!seen->stood) return seen;
+    found = seen;
+  }
+  return found;
+}
+
+static void keep(const vista_plan_space *space, const double point_m[3], bool is_free, bool stood) {
+  int64_t cube[3];
+  cube_of(space, point_m, cube);
+  vista_plan_seen *const seen = seen_in(space, cube);
+  if (is_free) {
+    memcpy(seen->point_m, point_m, sizeof seen->point_m);
+    seen->t_ns = space->t_ns;
+    seen->stood = stood;
+  } else if (is_kept_near(space, seen, point_m)) {
+    seen->t_ns = 0;
+  }
+}
+
+void vista_plan_stand(vista_plan_space *space, const double point_m[3]) {
+  if (free_near(space, point_m) == NULL) keep(space, point_m, true, true);
 }
 
 /* What stands at a place, or is known of it. */
 static vista_plan_place ask(const vista_plan_space *space, const double point_m[3]) {
+  static const vista_plan_place is_free = {.ruling = VISTA_PLAN_CHOSEN};
   const vista_obstacle *const thing = obstacle_at(space, false, point_m, 0.0);
   vista_path_place place = {.shown = vista_space_map_look_around(space->seen.space, point_m, space->radius_m)};
   if (thing != NULL && thing->kind == VISTA_OBSTACLE_GROUND) place.ground = true;
   if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = true;
   place.probability = vista_path_place_probability(&place);
   const bool in_view = place.shown.frames > 0, occupied = vista_path_place_is_occupied(&place);
-  if (in_view && vista_path_place_is_free_now(&place)) return (vista_plan_place){.ruling = VISTA_PLAN_CHOSEN};
-  if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, occupied || !in_view, false};
+  const bool is_seen_free = in_view && vista_path_place_is_free_now(&place);
+  if (in_view) keep(space, point_m, is_seen_free, false);
+  const vista_plan_seen *const seen = in_view ? NULL : free_near(space, point_m);
+  if (is_seen_free || (seen != NULL && !seen->stood)) return is_free;
+  if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, occupied || !in_view, seen != NULL};
   if (occupied) return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = true};
-  return (vista_plan_place){.ruling = in_view ? VISTA_PLAN_BY_UNKNOWN : VISTA_PLAN_BY_VIEW,
-                            .own = is_own(space, point_m)};
+  return (vista_plan_place){.ruling = in_view ? VISTA_PLAN_BY_UNKNOWN : VISTA_PLAN_BY_VIEW, .stood = seen != NULL};
 }
 
 vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s) {
   const vista_obstacle *const mover = obstacle_at(space, true, point_m, after_s);
-  if (mover != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, mover->id, true, false};
+  if (mover != NULL)
+    return (vista_plan_place){.ruling = VISTA_PLAN_BY_OBSTACLE, .obstacle_id = mover->id, .occupied = true};
   for (int32_t k = 0; k < space->looks; ++k)
     if (vista_distance(space->looked[k].point_m, point_m) <= SAME_SHARE * space->radius_m)
       return space->looked[k].place;
@@ -152,7 +185,7 @@ bool vista_plan_check(vista_plan_space *space, vista_plan_decision *plan, bool o
         plan->escape_seen = false;
         continue;
       }
-      if (place.own && (!last || option->primitive == VISTA_PLAN_STOP)) continue;
+      if (place.stood && (!last || option->primitive == VISTA_PLAN_STOP)) continue;
       option->ruling = place.ruling;
       option->obstacle_id = place.obstacle_id;
       option->after_s = after_s;

@@ -2,10 +2,10 @@
  *
  * Places stand along it as far apart as the map can tell them apart, each a ball of the collision radius and twice the
  * error of the position. What the last frames show of a place is weighed as on the flight path (path_places.h), with the
- * confirmed obstacles that reach into it; and the newest frame that has it in view has to see through it, too. Where
- * the vehicle has been and where it is committed to, and half a radius around, is free while nothing shows there; but
- * what ends there has to be a stop, lest what is unknown be entered step by step. What moves by itself is where it will
- * be at that time. */
+ * confirmed obstacles that reach into it; and the newest frame that has it in view has to see through it, too. A place
+ * that was seen to be free counts as free for some seconds after it has left the view, with half a radius around; so the
+ * vehicle can go back where it came from, and turn its camera to other ways. What moves by itself is where it will be at
+ * that time. */
 #ifndef VISTA_PLAN_SPACE_H
 #define VISTA_PLAN_SPACE_H
 
@@ -23,7 +23,7 @@ typedef struct vista_plan_place {
   vista_plan_ruling ruling; /* VISTA_PLAN_CHOSEN: it is free */
   int32_t obstacle_id;
   bool occupied; /* rather than unknown */
-  bool own; /* nobody sees it, but the vehicle has been there or is committed to it */
+  bool stood;    /* nobody sees it, but the vehicle was near to it */
 } vista_plan_place;
 
 typedef struct vista_plan_looked {
@@ -37,12 +37,16 @@ typedef struct vista_plan_space {
   vista_directions directions;
   int32_t blocked_count;
   double blocked_m[VISTA_DIRECTIONS][2]; /* what ends a column: ahead of the camera and to its right, level */
-  const vista_planner *planner; /* whose trail it is */
+  vista_planner *planner; /* who keeps what was seen */
+  int64_t t_ns;           /* of the state */
   double radius_m; /* of the balls */
   double late_s;   /* from the frame to the state */
   int32_t looks;
   vista_plan_looked looked[VISTA_PLAN_LOOKS];
 } vista_plan_space;
+
+/* Keeps where the vehicle is, unless it is known to be free: it stands there. */
+void vista_plan_stand(vista_plan_space *space, const double point_m[3]);
 
 /* What is known of a place, so long after the state. */
 vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s);
