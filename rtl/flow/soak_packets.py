@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "rtl" / "board"), str(ROOT / "scripts"), str(ROOT / "tb" / "common")]
 import wire  # noqa: E402
 from hostile_packets import Known, hostile_packets  # noqa: E402
-from make_tables import as_text, measured  # noqa: E402
+from make_tables import as_text  # noqa: E402
 from tools import digest_of  # noqa: E402
 
 LIBRARY = ROOT / "build" / "board" / "server" / "libserver.so"
@@ -241,7 +241,7 @@ def main() -> None:
         sys.exit(f"soak_packets: {error}")
     runs = earlier_runs(args.out) | {str(args.seed): asdict(found)}
     figures = {"library": digest_of([LIBRARY]), "runs": runs}
-    content = {"measured": measured("make soak-packets"), "tables": [table_of(runs)], "figures": figures}
+    content = {"tables": [table_of(runs)], "figures": figures}
     args.out.write_text(as_text(content) + "\n")
     print(as_text(asdict(found)))
 

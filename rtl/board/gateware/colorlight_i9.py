@@ -23,7 +23,6 @@ from gateware.engine import Build
 from gateware.system import BoardSystem
 
 OSCILLATOR_HZ = 25e6
-MAC_ADDRESS = 0x0256_5354_4501
 BLINK_BITS = 26  # a blink takes about a second
 FLASH_BITS = 22  # the least time that the LED shows a frame, 0.09 s at 45 MHz
 
@@ -49,9 +48,7 @@ class ColorlightI9(LiteXModule):
             platform.request("eth_clocks", 0), platform.request("eth", 0), tx_delay=0
         )
         module = M12L64322A(clk_freq, "1:1")
-        self.board = board = BoardSystem(
-            build, self.sdram, module, self.ethernet, clk_freq, MAC_ADDRESS, ip_address
-        )
+        self.board = board = BoardSystem(build, self.sdram, module, self.ethernet, clk_freq, ip_address)
 
         # The LED is off until memory is ready, blinks while nothing is matched, and is lit while frames are.
         blink, lit = Signal(BLINK_BITS), Signal(FLASH_BITS)

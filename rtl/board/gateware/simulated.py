@@ -21,7 +21,6 @@ from gateware.engine import Build
 from gateware.system import BoardSystem
 
 CLK_FREQ = 45e6
-MAC_ADDRESS = 0x0256_5354_4501
 IP_ADDRESS = "192.168.1.50"
 
 
@@ -66,7 +65,6 @@ class Simulated(LiteXModule):
             module,
             phy,
             CLK_FREQ,
-            MAC_ADDRESS,
             IP_ADDRESS,
             quick_start=True,
             patience_bits=16,

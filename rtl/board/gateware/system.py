@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from ipaddress import IPv4Address
 from typing import Any
 
 from liteeth.common import eth_udp_user_description
@@ -26,6 +27,15 @@ REPLIES, REPLY_WORDS = 2, 1024
 CROSSING_WORDS = 16
 
 
+# Of the Ethernet address: locally administered, and the IPv4 address behind it.
+MAC_BASE = 0x0256 << 32
+
+
+def mac_address_of(ip_address: str) -> int:
+    """Tells boards of one network apart, as their IPv4 addresses do."""
+    return MAC_BASE | int(IPv4Address(ip_address))
+
+
 class BoardSystem(LiteXModule):
     """One clock, `sys`, and those of the Ethernet PHY."""
 
@@ -36,7 +46,6 @@ class BoardSystem(LiteXModule):
         sdram_module: Any,
         ethernet_phy: Any,
         clk_freq: float,
-        mac_address: int,
         ip_address: str,
         quick_start: bool = False,
         patience_bits: int = 20,  # 23 ms at 45 MHz
@@ -45,7 +54,7 @@ class BoardSystem(LiteXModule):
         self.memory = BoardMemory(sdram_phy, sdram_module, clk_freq, quick_start)
         self.network = LiteEthUDPIPCore(
             ethernet_phy,
-            mac_address,
+            mac_address_of(ip_address),
             ip_address,
             int(clk_freq),
             dw=32,

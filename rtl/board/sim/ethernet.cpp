@@ -8,7 +8,7 @@ namespace {
 
 constexpr size_t kPreamble = 8, kMac = 14, kIp = 20, kUdp = 8, kCheckSum = 4, kLeast = 60;
 constexpr uint16_t kPort = 22099;
-constexpr std::array<uint8_t, 6> kBoardMac = {0x02, 0x56, 0x53, 0x54, 0x45, 0x01}, kHostMac = {2, 0, 0, 0, 0, 1};
+constexpr std::array<uint8_t, 6> kBoardMac = {0x02, 0x56, 192, 168, 1, 50}, kHostMac = {2, 0, 0, 0, 0, 1};
 constexpr std::array<uint8_t, 4> kBoardIp = {192, 168, 1, 50}, kHostIp = {192, 168, 1, 100};
 
 uint32_t crc32(const uint8_t* data, size_t bytes) {
