@@ -10,6 +10,7 @@ import board_flight as scene
 import cv2
 import numpy as np
 import pytest
+import vista.pipeline
 from board_flight import board_flight
 from pipeline_library import (
     CALIBRATION,
@@ -23,7 +24,7 @@ from pipeline_library import (
 )
 from random_seed import seeded
 from stage_library import INVALID, ffi, lib
-from vista.geometry import Pose
+from vista.geometry import Calibration, Pose
 from vista.parameters import defaults
 from vista_eval.cell_graph import OpenPipeline
 
@@ -38,6 +39,21 @@ def flight() -> list[dict]:
 
 
 # ---- what comes out ----
+
+
+def test_of_more_things_than_are_followed_the_nearest_are_and_it_is_said() -> None:
+    side_px, (height, width) = 24, (480, 640)
+    camera = Calibration(width, height, 480.0, (width - 1) / 2, (height - 1) / 2, 0.5)
+    words = np.random.default_rng(3).integers(2 * 16, 50 * 16, (height // side_px, -(-width // side_px)))
+    words = np.kron(words, np.ones((side_px, side_px), np.int16))[:, :width].astype(np.int16)
+    image = np.tile(np.arange(width) // 8 % 2 * 40 + 100, (height, 1)).astype(np.uint8)
+    result = vista.pipeline.Pipeline(camera).process(image, words, 0, Pose(np.eye(3), np.zeros(3)))
+    followed = [obstacle.disparity_px for obstacle in result.obstacles if obstacle.kind == "thing"]
+    accepted = [k for k, verdict in enumerate(result.verdict_of_region) if verdict == "ACCEPTED"]
+    seen_px = sorted(np.median(result.words[result.region_of_pixel == k]) / 16 for k in accepted)
+    assert len(accepted) > 200 and len(followed) == 96
+    assert min(followed) > seen_px[-96] - 3.0  # what a region has is no median
+    assert result.health.state == "degraded" and "crowded" in result.health.reasons
 
 
 def test_the_board_is_one_obstacle_throughout(flight: list[dict]) -> None:

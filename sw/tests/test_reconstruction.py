@@ -136,6 +136,7 @@ def test_only_accepted_regions_become_detections() -> None:
     detections.capacity = 1
     status = lib.vista_reconstruct_regions(frame(), regions, 4, detections)
     assert (status_name(status), detections.count) == ("VISTA_ERROR_CAPACITY", 1)
+    assert found[0].label == 4  # the nearest
 
 
 def test_bad_input_is_refused_and_nothing_written() -> None:

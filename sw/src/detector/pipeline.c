@@ -33,7 +33,9 @@
 #include "vista/pipeline.h"
 
 #define MAX_TRACKS 256
-#define MAX_DETECTIONS 512
+/* The time of the association grows with the cube of these numbers. Ordinary frames have at most 86 of both kinds. */
+#define MAX_REGIONS 96
+#define MAX_DETECTIONS (MAX_REGIONS + VISTA_THIN_MAX)
 
 /* No header ever had fewer: what an older caller knows of. */
 #define FRAME_FEWEST_BYTES (offsetof(vista_frame, t_ns) + sizeof(int64_t))
@@ -210,6 +212,7 @@ typedef struct passage {
   vista_collision_volume volume;
   int64_t dropped_before; /* tracks, in earlier frames */
   double path_seen_m, collision_probability;
+  bool crowded; /* regions that were accepted are not followed */
 } passage;
 
 /* ---- the stages ---- */
@@ -277,9 +280,10 @@ static vista_status find_thin_things(vista_pipeline *p, passage *way) {
 }
 
 static vista_status reconstruct(vista_pipeline *p, passage *way) {
-  p->detections.capacity = MAX_DETECTIONS - VISTA_THIN_MAX;
+  p->detections.capacity = MAX_REGIONS;
   vista_status status = vista_reconstruct_regions(&way->frame, p->regions.items, p->regions.count, &p->detections);
-  if (status != VISTA_OK && status != VISTA_ERROR_CAPACITY) return status; /* the nearest come first: far ones drop */
+  way->crowded = status == VISTA_ERROR_CAPACITY; /* the nearest are kept */
+  if (status != VISTA_OK && !way->crowded) return status;
   p->detections.capacity = MAX_DETECTIONS;
   const vista_thin_lines lines = vista_thin_found(p->thin);
   return vista_thin_reconstruct(&way->frame, &lines, &way->volume, p->regions.count, &p->detections);
@@ -443,6 +447,8 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
   passage way = {.given = &f, .motion_state = p->motion_state};
   if (status == VISTA_OK) status = run_stages(p, &way);
   if (status != VISTA_OK) return status;
+  const int64_t dropped = vista_tracker_dropped(p->tracker) - way.dropped_before;
+  if (way.crowded || dropped > 0) vista_health_add(&way.health, VISTA_HEALTH_CROWDED);
   vista_result r = {.obstacle_bytes = sizeof(vista_obstacle),
                     .nearest_collision = vista_obstacle_map_nearest(p->map),
                     .motion = way.frame.motion,
@@ -450,7 +456,7 @@ vista_status vista_pipeline_process_sized(vista_pipeline *pipeline, const vista_
                     .valid_fraction = way.valid_fraction,
                     .region_count = p->regions.count,
                     .accepted_count = p->regions.accepted_count,
-                    .dropped_tracks = vista_tracker_dropped(p->tracker) - way.dropped_before,
+                    .dropped_tracks = dropped,
                     .stage_count = STAGE_COUNT,
                     .stage_ms = p->stage_ms,
                     .host_ms = p->host_ms,

@@ -38,6 +38,7 @@ static const entry reasons[VISTA_HEALTH_REASON_COUNT] = {
     {"disparities_off",
      "disparities do not change as the motion says: has a camera turned, or is the baseline or the speed wrong?", 0},
     {"time_jump", "the times went back or far ahead: what was seen before is of no use", 0},
+    {"crowded", "more things are seen than are followed: the farthest are left out", 0},
 };
 
 static const char *const state_names[VISTA_HEALTH_STATE_COUNT] = {"healthy", "degraded", "blind"};
@@ -56,6 +57,12 @@ const char *vista_health_reason_text(vista_health_reason reason) {
 
 vista_health_state vista_health_reason_state(vista_health_reason reason) {
   return reasons[reason].blinding ? VISTA_HEALTH_BLIND : VISTA_HEALTH_DEGRADED;
+}
+
+void vista_health_add(vista_health *health, vista_health_reason reason) {
+  const vista_health_state state = vista_health_reason_state(reason);
+  health->reasons |= UINT32_C(1) << reason;
+  if (state > health->state) health->state = state;
 }
 
 /* Standard deviation of the cells' grey levels, by the pixels that they own, without the noise that is left in them. */
@@ -167,10 +174,7 @@ void vista_health_judge(const vista_frame_view *frame, const vista_cells *cells,
       [VISTA_HEALTH_NOISE] = noisy && agreeing < params->degraded_fraction,
       [VISTA_HEALTH_GROUND_UNSEEN] = ground_view(frame, noisy) < params->ground_fraction,
   };
-  for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k) {
-    if (!holds[k]) continue;
-    h.reasons |= UINT32_C(1) << k;
-    if (h.state != VISTA_HEALTH_BLIND) h.state = reasons[k].blinding ? VISTA_HEALTH_BLIND : VISTA_HEALTH_DEGRADED;
-  }
+  for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k)
+    if (holds[k]) vista_health_add(&h, (vista_health_reason)k);
   *health = h;
 }

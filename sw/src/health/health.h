@@ -16,6 +16,9 @@
 void vista_health_judge(const vista_frame_view *frame, const vista_cells *cells, vista_health *health,
                         double *valid_fraction);
 
+/* Adds a reason; the state becomes the worse one of both. */
+void vista_health_add(vista_health *health, vista_health_reason reason);
+
 /* How bad a frame is that has this reason and no other. */
 vista_health_state vista_health_reason_state(vista_health_reason reason);
 

@@ -39,6 +39,7 @@ class Reason(StrEnum):
     MOTION_DOUBTFUL = "motion_doubtful"
     DISPARITIES_OFF = "disparities_off"
     TIME_JUMP = "time_jump"
+    CROWDED = "crowded"
 
 
 @dataclass(frozen=True)

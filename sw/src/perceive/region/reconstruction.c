@@ -77,15 +77,28 @@ vista_status vista_reconstruct_region(const vista_frame_view *frame, const vista
   return VISTA_OK;
 }
 
+/* Room for a region: behind the others, else in the place of the farthest, if that is farther; null: none. */
+static vista_detection *room_for(const vista_region *region, vista_detections *detections) {
+  if (detections->count < detections->capacity) return &detections->items[detections->count++];
+  vista_detection *farthest = NULL;
+  for (int32_t i = 0; i < detections->count; ++i)
+    if (farthest == NULL || detections->items[i].disparity_px < farthest->disparity_px)
+      farthest = &detections->items[i];
+  return farthest != NULL && farthest->disparity_px < region->disparity_px ? farthest : NULL;
+}
+
 vista_status vista_reconstruct_regions(const vista_frame_view *frame, const vista_region *regions, int32_t region_count,
                                        vista_detections *detections) {
+  int32_t accepted = 0;
   detections->count = 0;
   for (int32_t i = 0; i < region_count; ++i) {
     if (regions[i].verdict != VISTA_REGION_ACCEPTED || regions[i].disparity_px < VISTA_RECONSTRUCTED_MIN_PX) continue;
-    if (detections->count == detections->capacity) return VISTA_ERROR_CAPACITY;
-    const vista_status status = vista_reconstruct_region(frame, &regions[i], &detections->items[detections->count]);
+    vista_detection found;
+    const vista_status status = vista_reconstruct_region(frame, &regions[i], &found);
     if (status != VISTA_OK) return status;
-    ++detections->count;
+    vista_detection *const room = room_for(&regions[i], detections);
+    if (room != NULL) *room = found;
+    ++accepted;
   }
-  return VISTA_OK;
+  return accepted > detections->capacity ? VISTA_ERROR_CAPACITY : VISTA_OK;
 }

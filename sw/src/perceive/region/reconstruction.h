@@ -56,7 +56,7 @@ typedef struct vista_detections {
 } vista_detections;
 
 /* Replaces the detections by those of the accepted regions, in their order; regions below disparity_min_px are left
- * out. VISTA_ERROR_CAPACITY: there are more than fit; the first of them are there then. */
+ * out. VISTA_ERROR_CAPACITY: there are more than fit; the nearest of them are there then, in no order. */
 vista_status vista_reconstruct_regions(const vista_frame_view *frame, const vista_region *regions, int32_t region_count,
                                        vista_detections *detections);
 
