@@ -110,6 +110,7 @@ def forest(random: np.random.Generator) -> list[Wall]:
 
 
 @pytest.mark.slow
+@pytest.mark.same_c
 def test_it_flies_through_forests() -> None:
     """Clearance is less than the radius by what a ball that is looked at may lack at its rim."""
     random = seeded(2)
@@ -133,6 +134,7 @@ def test_before_a_wall_without_end_it_keeps_off() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.same_c
 def test_each_decision_of_a_flight_ends_in_a_stop_that_is_free() -> None:
     """What was committed to keeps off everything, not only what was flown of it."""
     random = seeded(3)
@@ -147,6 +149,7 @@ def test_each_decision_of_a_flight_ends_in_a_stop_that_is_free() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.same_c
 def test_two_frames_that_are_missing_do_no_harm() -> None:
     random = seeded(4)
     walls = forest(random)
