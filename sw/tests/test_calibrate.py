@@ -251,7 +251,7 @@ def test_too_few_views_are_refused(tmp_path: Path, run_vista: Vista) -> None:
 
 
 def test_a_single_orientation_is_refused(tmp_path: Path, run_vista: Vista) -> None:
-    write_pairs(tmp_path / "pictures", some(pinhole_rig(), 16, 0.0, roll=False))
+    write_pairs(tmp_path / "pictures", some(pinhole_rig(), 10, 0.0, roll=False))
     arguments = ("calibrate", tmp_path / "pictures", "--board", CHESSBOARD, "--out", tmp_path / "out")
     assert_refused(run_vista(*arguments), "the board faces one direction in all of them")
 

@@ -88,7 +88,7 @@ def test_a_sign_is_believed_in_time_and_hardly_ever_refuted(sigma_px: float, kee
     assert np.mean(refuted) - 3.0 * np.std(refuted) / np.sqrt(RUNS) < 0.01
 
 
-@pytest.mark.parametrize("pitch_m", [0.12, 0.2, 0.4, 1.0, 3.0])
+@pytest.mark.parametrize("pitch_m", [0.12, 0.2, 0.4, 3.0])
 @pytest.mark.parametrize("range_m", [85.0, 45.0])
 def test_a_texture_matched_one_period_off_is_not_believed(pitch_m: float, range_m: float) -> None:
     """The farther and finer, the more like what stands: pickets at 0.12 m move by a fifth of own travel."""

@@ -59,7 +59,7 @@ def test_a_frame_right_behind_a_write(config: Config, last: str, seed: int) -> N
     rng = np.random.default_rng([seed, LAST.index(last)])
     rerun = f"VISTA_SEED={seed} pytest tb/top/test_behind_writes.py -k '{config.name} and {last}'"
     with Rtl(config, seed + 1) as rtl:
-        for trial in range(6):
+        for trial in range(4):
             print(f"trial {trial}; {rerun}")
             right_behind(rtl, rng, last, seed)
 
@@ -98,6 +98,6 @@ def test_a_commit_behind_the_first_pixel_of_a_frame(config: Config, seed: int) -
     rng = np.random.default_rng([seed, 77])
     rerun = f"VISTA_SEED={seed} pytest tb/top/test_behind_writes.py -k '{config.name} and first_pixel'"
     with Rtl(config, seed + 1) as rtl:
-        for trial in range(10):
+        for trial in range(5):
             print(f"trial {trial}; {rerun}")
             behind_the_first_pixel(rtl, rng, seed)

@@ -38,7 +38,7 @@ LARGEST = 2 * ROWS + 14  # rows of the largest frame
 LATENCY = 33  # from the last pixel of the rows that are needed to the first of the row
 VERDICTS = ("map_accepted_o", "map_refused_rows_o", "map_refused_size_o")
 # Offered and taken, of what a clock may; the larger build differs in its buffers, not in its handshakes.
-RATES = [(1.0, 1.0), (1.0, 0.4), (0.4, 1.0), (0.4, 0.4)] if ROWS == 16 else [(1.0, 1.0), (0.4, 0.4)]
+RATES = [(1.0, 1.0), (1.0, 0.4), (0.4, 1.0), (0.4, 0.4)] if ROWS == 16 else [(1.0, 0.4)]
 WATCHED = (*VERDICTS, "error_map_o")
 ACCEPTED, ROWS_REFUSED, SIZE_REFUSED = range(3)
 BINS = ("accepted", "rows", "size")  # of the coverage plan, by verdict

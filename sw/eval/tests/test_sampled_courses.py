@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 
 LATEST_S = 0.6  # of the flight, from which a detector may take the direction of flight
 MISSED_M = 2.0  # radius of the collision volume
-FLIGHTS = 20  # of each family
+FLIGHTS = 10  # of each family
 
 
 def misses_m(course: Course) -> list[float]:

@@ -114,7 +114,7 @@ def rolled(poses: list[Pose], altitude_m: float, roll_deg: float) -> list[Pose]:
 
 
 @pytest.mark.parametrize("roll_deg", [0.0, 3.0, -6.0, 10.0])
-@pytest.mark.parametrize("altitude_m", [1.0, 1.5, 1.8, 10.0])
+@pytest.mark.parametrize("altitude_m", [1.0, 1.8, 10.0])
 @pytest.mark.parametrize("turn", [False, True])
 def test_level_ground_is_not_met(tmp_path: Path, roll_deg: float, altitude_m: float, turn: bool) -> None:
     """A camera that rolls sees the nearest of it in a corner of the image, beside the path."""
