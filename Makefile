@@ -32,6 +32,7 @@ endif
 
 DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
+DEMO_FOREST := build/demo/forest
 
 .PHONY: check types coverage lint-c help setup setup-jobs setup-browser ros-env test-ros native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights lock clean distclean
 
@@ -53,7 +54,10 @@ setup: .venv/run.stamp ## install the pinned Python packages and the command .ve
 .venv/run.stamp: $(REQUIREMENTS)/run.txt pyproject.toml sw/eval/pyproject.toml VERSION .venv/build.stamp
 	@$(SETUP) run
 
-.venv/test.stamp: $(REQUIREMENTS)/test.txt $(REQUIREMENTS)/rotorpy.txt .venv/run.stamp
+.venv/fly.stamp: $(REQUIREMENTS)/fly.txt $(REQUIREMENTS)/rotorpy.txt .venv/run.stamp
+	@$(SETUP) fly
+
+.venv/test.stamp: $(REQUIREMENTS)/test.txt .venv/fly.stamp
 	@$(SETUP) test
 
 .venv/jobs.stamp: $(REQUIREMENTS)/jobs.txt .venv/test.stamp
@@ -187,14 +191,16 @@ bench: build .venv/test.stamp ## measure times on this machine; print tables and
 demo-pairs: .venv/build.stamp ## fetch the real stills of the demo (4 MB), which tests of rooms use too; they are skipped without
 	@$(PYTHON) scripts/fetch_demo.py $(DEMO_PAIRS)
 
-demo: build ## run the whole chain on a rendered outdoor flight and on real stills, and make reports
+demo: build .venv/fly.stamp ## run the whole chain on a rendered flight and on real stills, and fly through a forest
 	@$(PYTHON) -m vista_eval.worlds.demo $(DEMO_FLIGHT)
 	@.venv/bin/vista run $(DEMO_FLIGHT) --out build/demo/flight-out
 	@$(MAKE) --no-print-directory demo-pairs
 	@.venv/bin/vista run $(DEMO_PAIRS) --out build/demo/oak-d-out
-	@printf '%s\n' 'Reports, to be opened in a browser:' \
+	@.venv/bin/vista fly $(DEMO_FOREST) --family poisson --first 1 --count 1 --speed 3 --rival planner --films >build/demo/forest.txt
+	@printf '%s\n' 'Reports and a film, to be opened in a browser:' \
 	  "  outdoor flight at a sign, rendered  $(CURDIR)/build/demo/flight-out/report.html" \
-	  "  real stills of rooms                $(CURDIR)/build/demo/oak-d-out/report.html"
+	  "  real stills of rooms                $(CURDIR)/build/demo/oak-d-out/report.html" \
+	  "  a forest, flown through             $(CURDIR)/$(DEMO_FOREST)/poisson_001_3_planner/flight.webm"
 
 QUALITY ?= quick
 

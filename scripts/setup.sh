@@ -1,5 +1,5 @@
 #!/bin/bash
-# Installs one set of pinned packages (build | run | test | rtl | board | docs | jobs) into .venv: setup.sh SET
+# Installs one set of pinned packages (build | run | fly | test | rtl | board | docs | jobs) into .venv: setup.sh SET
 # A set is complete when .venv/SET.stamp exists. The stamps of all sets are in .venv/installing meanwhile: a set-up that
 # was interrupted leaves none of them in their place, and the next one starts from nothing, since pip would take a
 # half-copied package for an installed one.
@@ -101,7 +101,7 @@ if [ "$set_name" = run ]; then
   .venv/bin/python -m pip install --disable-pip-version-check --quiet --no-deps --no-build-isolation --editable . \
     --editable sw/eval || fail "pip could not install vista itself into .venv (see above)"
 fi
-if [ "$set_name" = test ]; then
+if [ "$set_name" = fly ]; then
   .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
     --requirement scripts/requirements/rotorpy.txt || fail "pip could not install rotorpy (see above)"
 fi

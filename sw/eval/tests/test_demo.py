@@ -1,4 +1,4 @@
-"""What `make demo` shows first: an outdoor flight, and in it the sign that is detected."""
+"""What `make demo` shows: an outdoor flight with the sign that is detected, and a forest, flown through."""
 
 from __future__ import annotations
 
@@ -32,17 +32,33 @@ def beginning() -> Flight:
     return replace(SIGN_AT_30_FT_S, approach=approach)
 
 
-def test_the_flight_comes_before_the_stills() -> None:
-    commands = subprocess.run(
+def commands() -> str:
+    return subprocess.run(
         ["make", "--dry-run", "--no-print-directory", "demo"],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=True,
     ).stdout
-    runs = re.findall(r"vista run (\S+)", commands)
+
+
+def test_the_flight_comes_before_the_stills() -> None:
+    told = commands()
+    runs = re.findall(r"vista run (\S+)", told)
     assert [Path(folder).name for folder in runs] == ["flight", "oak-d"]
-    assert commands.rindex("flight-out/report.html") < commands.rindex("oak-d-out/report.html")
+    assert told.rindex("flight-out/report.html") < told.rindex("oak-d-out/report.html")
+
+
+def test_the_planner_flies_through_the_forest_that_is_shown(tmp_path: Path) -> None:
+    pytest.importorskip("rotorpy")
+    told = commands()
+    options = re.search(r"vista fly \S+ (.*?) --films", told)
+    film = re.search(r"forest/(\S+)/flight\.webm", told)
+    assert options and film
+    assert main(["fly", str(tmp_path), *options[1].split(), "--jobs", "1"]) == 0
+    found = json.loads((tmp_path / film[1] / "flight.jsonl").read_text().splitlines()[0])
+    assert (found["end"], found["stops"]) == ("reached", 0)
+    assert found["evasions"] > 0
 
 
 def test_the_first_picture_is_a_correct_detection(tmp_path: Path) -> None:

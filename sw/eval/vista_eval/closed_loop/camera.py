@@ -7,6 +7,7 @@ import math
 import numpy as np
 from vista.geometry import Calibration
 
+from vista_eval.render.optics import Exposure, FlawedSensor, through_lens
 from vista_eval.render.renderer import OFF_CENTER_PX, Renderer
 from vista_eval.render.rig import LEFT, PAPER_RIG, RIGHT, Rig
 from vista_eval.render.scene import Scene
@@ -34,8 +35,16 @@ class StereoCamera:
         for camera in (LEFT, RIGHT):
             pose = world_from_body @ self.rig.body_from_mounted_camera(camera)
             radiance = self._renderer.radiance(pose) * self._renderer.scene.exposure
+            if isinstance(self.sensor, FlawedSensor):
+                radiance = through_lens(self.sensor, radiance, self.seen_from(pose, camera))
             pair.append(expose(self.sensor, radiance, camera, (self.seed, index, camera)))
         return pair[LEFT], pair[RIGHT]
+
+    def seen_from(self, pose: np.ndarray, camera: int) -> Exposure:
+        """The camera at rest: what smears is not simulated."""
+        depth_m = self._renderer.view(pose).depth_m
+        to_sun = self._renderer.scene.to_sun
+        return Exposure(self.rig, camera, pose, pose, pose, depth_m, to_sun, self.seed)
 
     def disparity_px(self, world_from_body: np.ndarray) -> np.ndarray:
         """(H, W) true disparities of what was exposed last; 0 where the sky is."""

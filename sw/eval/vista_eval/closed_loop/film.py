@@ -4,8 +4,10 @@ stands there, what was known of it at that moment, and what was decided."""
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Iterator
-from itertools import pairwise
+from contextlib import contextmanager
+from itertools import chain, pairwise
 from pathlib import Path
 
 import cv2
@@ -43,18 +45,23 @@ class Map:
         self.world = flight.world
         self.track_m = np.array([moment.state.position_m for moment in flight.moments])
         things = [thing for thing in self.world.scene.things if thing.standing]
-        self.still = joined(solid for thing in things if not moves(thing) for solid in thing.solids)
+        self.heights_m = self.track_m[:, 2].min() - BAND_M, self.track_m[:, 2].max() + BAND_M
         self.moving = [thing for thing in things if moves(thing)]
+        corners = joined(solid for thing in things if not moves(thing) for solid in thing.solids)
+        low_m, high_m = self.track_m.min(axis=0) - VIEW_M / 2, self.track_m.max(axis=0) + VIEW_M / 2
+        self.middle_m = (low_m + high_m) / 2
+        width, height = np.ceil((high_m - low_m)[:2] * SIDE_PX / VIEW_M).astype(int)
+        self.still = self.outlines(corners, self.middle_m, (int(width), int(height)))
 
     def draw(self, moment: Moment, until: int) -> Picture:
         center = moment.state.position_m
         picture = np.full((SIDE_PX, SIDE_PX, 3), 255, np.uint8)
         if moment.record is not None and moment.record.directions is not None:
             self.draw_free(picture, moment, moment.record.directions, center)
-        self.draw_solids(picture, self.still, center)
+        self.draw_still(picture, center)
         if self.moving:
             now = joined(solid for thing in self.moving for solid in solids_at(thing, moment.t_s))
-            self.draw_solids(picture, now, center)
+            picture[self.outlines(now, center, (SIDE_PX, SIDE_PX)) > 0] = INK
         route = [np.array(point) for point in self.world.route_m]
         for a, b in pairwise(route):
             cv2.line(picture, self.pixel(a, center), self.pixel(b, center), SOFT, 1, cv2.LINE_AA)
@@ -107,15 +114,21 @@ class Map:
             points = np.array([self.pixel(corner, center) for corner in corners], np.int32)
             cv2.fillConvexPoly(picture, points, FREE_TINT.tolist())
 
-    def draw_solids(self, picture: Picture, corners: np.ndarray, center: np.ndarray) -> None:
-        """What of the triangles is at the height of the flight, and nearer than the map reaches."""
+    def draw_still(self, picture: Picture, center: np.ndarray) -> None:
+        """What stands, moved to where the vehicle is in the middle."""
+        middle = np.array(self.pixel(center, self.middle_m)) - SIDE_PX / 2
+        at = middle + (np.array(self.still.shape[::-1]) - SIDE_PX) / 2
+        shift = np.array([[1.0, 0.0, -at[0]], [0.0, 1.0, -at[1]]])
+        picture[cv2.warpAffine(self.still, shift, (SIDE_PX, SIDE_PX), flags=cv2.INTER_NEAREST) > 0] = INK
+
+    def outlines(self, corners: np.ndarray, center: np.ndarray, size_px: tuple[int, int]) -> np.ndarray:
+        """An image of the triangles that reach into the heights of the flight."""
         low, high = corners[..., 2].min(axis=1), corners[..., 2].max(axis=1)
-        from_here = corners[..., :2] - center[:2]
-        near = np.abs(from_here).max(axis=2).min(axis=1) < 2 * VIEW_M
-        chosen = from_here[(low < center[2] + BAND_M) & (high > center[2] - BAND_M) & near]
-        scale = SIDE_PX / VIEW_M
-        points = np.rint(SIDE_PX / 2 + scale * chosen * [1, -1]).clip(-20000, 20000).astype(np.int32)
-        cv2.polylines(picture, list(points), True, INK, 1)
+        chosen = corners[(low < self.heights_m[1]) & (high > self.heights_m[0])][..., :2] - center[:2]
+        points = np.rint(np.array(size_px) / 2 + SIDE_PX / VIEW_M * chosen * [1, -1]).clip(-20000, 20000)
+        drawn = np.zeros(size_px[::-1], np.uint8)
+        cv2.polylines(drawn, list(points.astype(np.int32)), True, 255, 1)
+        return drawn
 
     def pixel(self, point: np.ndarray, center: np.ndarray) -> tuple[int, int]:
         right, up = point[0] - center[0], point[1] - center[1]
@@ -169,14 +182,25 @@ def write_film(path: Path, flight: Flight) -> None:
     frames = frames_of(flight)
     first = next(frames)
     size = first.shape[1], first.shape[0]
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"VP80"), flight.conditions.rate_hz, size)
-    writer.write(first)
-    for frame in frames:
+    with nothing_said():
+        code = cv2.VideoWriter.fourcc(*"VP80")
+        writer = cv2.VideoWriter(str(path), code, flight.conditions.rate_hz, size)
+    frame = first
+    for frame in chain([first], frames):
         writer.write(frame)
     for _ in range(round(flight.conditions.rate_hz)):  # the end stays for a second
         writer.write(frame)
     writer.release()
 
 
-def still_of(flight: Flight, moment: Moment) -> Picture:
-    return frame_of(flight, Map(flight), moment, flight.moments.index(moment))
+@contextmanager
+def nothing_said() -> Iterator[None]:
+    """Keeps what OpenCV prints about the name of the codec, which WebM does not store, from stderr."""
+    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)

@@ -21,6 +21,7 @@ from vista_eval.closed_loop.vehicle import STEP_S, Multirotor, State, wrapped
 from vista_eval.closed_loop.world import World
 from vista_eval.pose_noise import PoseError
 from vista_eval.render.course import START_NS
+from vista_eval.render.optics import FlawedSensor
 from vista_eval.render.rig import LEFT
 from vista_eval.render.sensor import Sensor
 from vista_eval.worlds.draws import draws
@@ -47,6 +48,7 @@ class Conditions:
     noise_grey: float = 1.5
     drop_outs: float = 0.0  # probability of a frame that two of them are lost
     pose_noise: bool = False  # errors like those of a navigation filter
+    glare: float = 0.0  # radiance of the sun's veil in the lens
 
 
 @dataclass(frozen=True)
@@ -99,11 +101,7 @@ def fly(
 ) -> Flight:
     """sees: whether there are cameras; a pilot who looks at nothing needs none."""
     rig, flight = rig_of(conditions.width_px, conditions.view_deg), Flight(world, conditions)
-    camera = (
-        StereoCamera(world.scene, rig, Sensor().with_noise(conditions.noise_grey), world.seed)
-        if sees
-        else None
-    )
+    camera = StereoCamera(world.scene, rig, sensor_of(conditions), world.seed) if sees else None
     perception = Perception(rig, values, words, forest)
     pilot, geometry = pilot_of(perception), Geometry(world.scene)
     legs = [Leg(a, b, world.speed_m_s, k + 1 < len(world.legs_m)) for k, (a, b) in enumerate(world.legs_m)]
@@ -179,6 +177,11 @@ def exposed(
     told = pose if drift is None else drift.on(pose, t_ns)
     disparity_px = camera.disparity_px(state.world_from_body) if words == "perfect" else None
     return Exposed(t_s, t_ns, told, pair, disparity_px)
+
+
+def sensor_of(conditions: Conditions) -> Sensor:
+    sensor = Sensor() if conditions.glare == 0 else FlawedSensor(glare=conditions.glare)
+    return sensor.with_noise(conditions.noise_grey)
 
 
 def time_ns(t_s: float) -> int:
