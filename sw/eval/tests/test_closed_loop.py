@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,15 +11,16 @@ from command_line import assert_refused, call
 from vista import parameters
 from vista_eval.closed_loop.camera import calibration_of, rig_of
 from vista_eval.closed_loop.collision import Geometry, to_cylinders_m, to_triangles_m
-from vista_eval.closed_loop.loop import Conditions, Faults, fly
-from vista_eval.closed_loop.outcome import begins, outcome_of, stops_of
-from vista_eval.closed_loop.pilots import BrakeOnly, Leg, Straight, along_leg
+from vista_eval.closed_loop.loop import NOTHING, Conditions, Faults, Flight, Moment, fly
+from vista_eval.closed_loop.outcome import Outcome, begins, outcome_of, stops_of
+from vista_eval.closed_loop.pilots import BrakeOnly, Leg, Seen, Straight, along_leg
 from vista_eval.closed_loop.places import boxes, forests
 from vista_eval.closed_loop.places.catalog import FAMILIES
 from vista_eval.closed_loop.places.parts import scene, upright_box
 from vista_eval.closed_loop.record import lines_of
 from vista_eval.closed_loop.rivals import RIVALS
 from vista_eval.closed_loop.setpoint import Setpoint
+from vista_eval.closed_loop.suite import by_speed
 from vista_eval.closed_loop.vehicle import STEP_S, Multirotor
 from vista_eval.closed_loop.world import World
 from vista_eval.render.scene import Cylinder, Scene, Sphere, thing
@@ -197,6 +199,37 @@ def test_stops_are_counted_after_the_start_and_without_the_last():
     assert stops_of(speeds, "reached") == 1
     assert stops_of(speeds, "held") == 2
     assert begins([True, True, False, True]) == 2
+
+
+def flown_at(speed_m_s: float, family: str, end: str, way_m: float, stops: int = 0) -> Outcome:
+    flight = Flight(small_world(), QUICK, end=end, way_m=way_m)
+    vehicle = Multirotor(np.zeros(3), 0.0)
+    decision = Straight().decide(
+        Seen(0.0, 0, vehicle.state, Leg(np.zeros(3), np.ones(3), 1.0, False), None, 0.0)
+    )
+    moment = Moment(0.0, vehicle.state, NOTHING, None, decision, decision.trajectory.at(0.0), None)
+    flight.moments = [moment, moment]
+    found = outcome_of(flight, "planner")
+    return replace(found, speed_m_s=speed_m_s, family=family, stops=stops)
+
+
+def test_what_goes_wrong_in_a_kilometre_is_told_by_speed():
+    flights = [
+        flown_at(5.0, "boxes", "collision", 400.0),
+        flown_at(5.0, "boxes", "reached", 600.0),
+        flown_at(5.0, "clear", "reached", 500.0, stops=3),
+        flown_at(9.0, "clear", "reached", 500.0),
+    ]
+    slow, fast = by_speed(flights).rows
+    assert slow == (
+        "5 m/s, planner",
+        "1.00",
+        "1.0 (0.0 to 5.6)",
+        "0.0 (0.0 to 3.7)",
+        "0.50",
+        "2.0 (0.1 to 11.1)",
+    )
+    assert fast == ("9 m/s, planner", "0.00", "-", "-", "0.50", "0.0 (0.0 to 7.4)")
 
 
 # ---- worlds ----

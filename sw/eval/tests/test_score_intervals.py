@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import pytest
 from random_seed import seeded
-from scipy.stats import beta
-from vista_eval.metrics.intervals import clopper_pearson, share_of_flights, share_of_frames
+from scipy.stats import beta, chi2
+from vista_eval.metrics.intervals import clopper_pearson, poisson, share_of_flights, share_of_frames
 from vista_eval.suites.world_tables import share_text
 
 
@@ -19,6 +19,13 @@ def test_clopper_and_pearson(whole: int) -> None:
         assert high == pytest.approx(
             beta.ppf(0.975, part + 1, whole - part) if part < whole else 1.0, abs=1e-9
         )
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 400])
+def test_counts_of_events(count: int) -> None:
+    """The quantiles of chi-square give them."""
+    low = chi2.ppf(0.025, 2 * count) / 2 if count else 0.0
+    assert poisson(count) == pytest.approx((low, chi2.ppf(0.975, 2 * count + 2) / 2), abs=1e-6)
 
 
 def test_many_flights() -> None:

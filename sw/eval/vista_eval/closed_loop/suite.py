@@ -19,12 +19,12 @@ from vista_eval.cache import code_digest, digest_of, kept
 from vista_eval.closed_loop.film import Map, frame_of, write_film
 from vista_eval.closed_loop.loop import Conditions, Flight
 from vista_eval.closed_loop.outcome import NEAR_MISS_M, Outcome, first_wrong, outcome_of
-from vista_eval.closed_loop.places.catalog import FAMILIES
+from vista_eval.closed_loop.places.catalog import CLEAR, FAMILIES
 from vista_eval.closed_loop.record import write_mcap, write_record
 from vista_eval.closed_loop.rivals import RIVALS
 from vista_eval.fly import LIBRARIES
 from vista_eval.jobs import Job, jobs_of
-from vista_eval.metrics.intervals import clopper_pearson
+from vista_eval.metrics.intervals import clopper_pearson, poisson
 from vista_eval.report.page import Page, Picture, Section, as_jpeg
 from vista_eval.report.table import Table
 from vista_eval.score import Scoring
@@ -112,7 +112,7 @@ class ClosedLoop:
 
     def scoring(self, results: list[Flown], values: parameters.Values) -> Scoring:
         outcomes = [flown.outcome for flown in results]
-        shown = [by_rival(outcomes), by_family(outcomes), losses(outcomes)]
+        shown = [by_rival(outcomes), by_family(outcomes), by_speed(outcomes), losses(outcomes)]
         return Scoring(
             shown,
             page(results, shown, self.conditions, values),
@@ -177,6 +177,44 @@ def by_family(outcomes: Sequence[Outcome]) -> Table:
             if chosen:
                 rows.append((f"{family}, {speed} m/s, {RIVALS[rival].title}", *row_of(chosen)))
     return Table("fly-families", ("", *HEADS), rows, title="By family and speed")
+
+
+def by_speed(outcomes: Sequence[Outcome]) -> Table:
+    """What goes wrong in a kilometre, where something is in the way and where nothing is."""
+    rows: list[tuple[str, ...]] = []
+    for speed in sorted({round(one.speed_m_s) for one in outcomes}):
+        for rival in rivals_of(outcomes):
+            chosen = [one for one in outcomes if (round(one.speed_m_s), one.rival) == (speed, rival)]
+            clear = [one for one in chosen if one.family == CLEAR]
+            blocked = [one for one in chosen if one.family != CLEAR]
+            if not chosen:
+                continue
+            rows.append(
+                (
+                    f"{speed} m/s, {RIVALS[rival].title}",
+                    *per_km(blocked, [one.crashed for one in blocked]),
+                    *per_km(blocked, [not one.crashed and one.nearest_m < NEAR_MISS_M for one in blocked])[
+                        1:
+                    ],
+                    *per_km(clear, [one.stops > 0 or one.end == "held" for one in clear]),
+                )
+            )
+    legend = (
+        "In brackets the exact Poisson interval of 95 %. At most one collision, near miss (nearer than "
+        f"{NEAR_MISS_M} m) and needless stop counts for each flight. Needless: in worlds with nothing in the "
+        "way."
+    )
+    heads = ("", "km", "collisions/km", "near misses/km", "km clear", "needless stops/km")
+    return Table("fly-speeds", heads, rows, legend, title="By speed")
+
+
+def per_km(outcomes: Sequence[Outcome], had: list[bool]) -> tuple[str, str]:
+    """The way of the flights, and how many of them had something, a kilometre."""
+    way_km = sum(one.way_m for one in outcomes) / 1000
+    if way_km == 0:
+        return "0.00", "-"
+    low, high = poisson(sum(had))
+    return f"{way_km:.2f}", f"{sum(had) / way_km:.1f} ({low / way_km:.1f} to {high / way_km:.1f})"
 
 
 def losses(outcomes: Sequence[Outcome]) -> Table:

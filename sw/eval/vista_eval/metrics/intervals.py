@@ -63,6 +63,17 @@ def clopper_pearson(part: int, whole: int) -> tuple[float, float]:
     return low, high
 
 
+def poisson(count: int) -> tuple[float, float]:
+    """The exact interval of how many events are expected where `count` independent ones were seen."""
+    tail, most = (1.0 - LEVEL) / 2.0, count + 10.0 * (count**0.5 + 1.0)
+
+    def at_most(events: int, share: float) -> float:
+        return sum(exp(k * log(share * most) - share * most - lgamma(k + 1)) for k in range(events + 1))
+
+    low = 0.0 if count == 0 else most * _bisect(lambda share: 1.0 - at_most(count - 1, share) - tail)
+    return low, most * _bisect(lambda share: tail - at_most(count, share))
+
+
 def _at_most(count: int, trials: int, probability: float) -> float:
     """The probability of at most so many, by logarithms: of a thousand trials the binomial coefficients alone
     are beyond what a float holds."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from vista_eval.closed_loop.places import boxes, city, dodge, forests
 from vista_eval.closed_loop.world import Family
 
+CLEAR = "clear"  # the family with nothing in the way
 FAMILIES: dict[str, Family] = {
     family.name: family
     for family in (
@@ -14,6 +15,6 @@ FAMILIES: dict[str, Family] = {
         Family("dodge_static", "DodgeDrone, boxes at rest", dodge.build_static),
         Family("dodge", "DodgeDrone, boxes at rest and in motion", dodge.build),
         Family("city", "street with gates, cranes, lamps and wires", city.build),
-        Family("clear", "boxes beside the route, nothing in the way", boxes.build_clear),
+        Family(CLEAR, "boxes beside the route, nothing in the way", boxes.build_clear),
     )
 }
