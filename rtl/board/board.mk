@@ -55,9 +55,12 @@ build/board/%/board-clocks: sw/bench/board_clocks.cpp $(BOARD_WIRE) $(BOARD_GATE
 	@$(compile_board) build/lib/libvista.a -lm $(addprefix -Wl$(comma)--wrap=,clock_gettime nanosleep poll recv send)
 
 # The server by itself, for more packets than the whole board gets through.
-build/board/server/libserver.so: rtl/board/sim/server_alone.cpp $(BOARD_SOURCES) | $(BOARD_TOOLS)
-	@rm -rf $(@D); mkdir -p $(@D)
+build/board/server/server.v: $(BOARD_SOURCES) | $(BOARD_TOOLS)
+	@mkdir -p $(@D)
 	@PYTHONPATH=rtl/board $(RTL_PYTHON) -m gateware.server_alone $(@D)
+
+build/board/%/libserver.so: rtl/board/sim/server_alone.cpp build/board/%/server.v
+	@rm -rf $(@D)/verilated
 	@$(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial fast -Wno-fatal -Wno-lint --top-module server \
 	  --prefix Vserver --Mdir $(@D)/verilated -CFLAGS -fPIC -MAKEFLAGS "OPT_FAST=-O2" $(@D)/server.v >$(@D)/build.log 2>&1 || \
 	  { tail -n 20 $(@D)/build.log >&2; exit 1; }
