@@ -92,12 +92,17 @@ def wrong_length(rng: Random, known: Known) -> bytes:
 
 
 def beyond_the_frame(rng: Random, known: Known) -> bytes:
-    """Chunks that no frame of the session has."""
-    if rng.random() < 0.5:
+    """Chunks that no frame of the session has, also by numbers whose sum goes round within 16 bits."""
+    drawn = rng.random()
+    if drawn < 0.5:
         index = rng.randrange(known.chunks_in, 1 << 16)
         return request(rng, known, kind=wire.REQUESTS["pixels"], index=index)
-    index = rng.randrange(1 << 16)
-    count = rng.randrange(max(known.chunks_out - index, 0) + 1, 1 << 16)
+    if drawn < 0.7:
+        index = rng.randrange(known.chunks_out + 1, 1 << 16)
+        count = (1 << 16) - index + rng.randrange(known.chunks_out + 1)
+    else:
+        index = rng.randrange(1 << 16)
+        count = rng.randrange(max(known.chunks_out - index, 0) + 1, 1 << 16)
     return request(rng, known, kind=wire.REQUESTS["fetch"], index=index, count=count)
 
 

@@ -68,6 +68,7 @@ class Server(LiteXModule):
             Signal(name=name)
             for name in ("sound", "speaks", "ours", "holds", "filling", "finished", "inside", "opens")
         )
+        fetch_end = Signal(17)
         new_chunks_in = field(opening, PAYLOAD["open"], "chunks_in")
         new_words_out = field(opening, PAYLOAD["open"], "words_out")
         state = slots.state[slot]
@@ -81,8 +82,10 @@ class Server(LiteXModule):
             holds.eq(slots.frame[slot] == frame),
             filling.eq(holds & (state == STATES["filling"])),
             finished.eq(holds & (state == STATES["done"])),
-            # All chunks that a fetch asks for belong to the frame.
-            inside.eq((count != 0) & (index + count <= chunks_out)),
+            # All chunks that a fetch asks for belong to the frame. Within a comparison Verilog would cut
+            # the sum to 16 bits.
+            fetch_end.eq(index + count),
+            inside.eq((count != 0) & (fetch_end <= chunks_out)),
             # What a session asks for has room.
             opens.eq(
                 speaks
