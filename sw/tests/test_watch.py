@@ -243,7 +243,7 @@ def test_a_pose_after_missing_ones_has_to_go_on_where_they_led(right_m: float, n
 
 
 def test_a_vehicle_that_stops_between_two_poses_is_not_believed() -> None:
-    """After a second a pose that stays the same counts as one of a vehicle that stands."""
+    """A pose that stays the same counts as one of a vehicle that stands after a second."""
     found = list(fly(other_poses(lambda k: FLIGHT[min(k, 2)].pose)))
     assert [Reason.POSE_JUMP in reasons for reasons in found] == [False] * (FRAMES - 1) + [True]
 
