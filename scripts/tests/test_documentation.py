@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import re
 import shutil
@@ -76,6 +77,7 @@ def test_every_make_target_exists(page: Path) -> None:
     assert named - make_targets() == set()
 
 
+@functools.cache
 def options_of(command: str) -> set[str]:
     """The options that `vista COMMAND` takes."""
     parser = cli.make_parser(command)

@@ -61,8 +61,7 @@ class Pace:
 
 # What random tests draw from.
 CONFIGS = [
-    Config(16, 5), Config(16, 15), Config(16, 21, 256), Config(32, 9, 96), Config(32, 11), Config(48, 7, 256),
-    Config(64, 5), Config(64, 11),
+    Config(16, 5), Config(16, 21, 256), Config(32, 9, 96), Config(32, 11), Config(48, 7, 256), Config(64, 11),
 ]  # fmt: skip
 FRONT_END = Config(16, 5, 64, rows=16)
 FRONT_ENDS = [FRONT_END, Config(32, 11, 128, rows=32)]

@@ -48,7 +48,7 @@ def test_random_frames(config: Config) -> None:
         assert rtl.read(ERRORS) == 0
 
 
-@pytest.mark.parametrize("config", [Config(32, 11), Config(64, 11), Config(16, 15)], ids=name)
+@pytest.mark.parametrize("config", [Config(32, 11), Config(64, 11), Config(16, 5)], ids=name)
 @pytest.mark.parametrize("prefilter", ["xsobel", "none"])
 def test_whole_real_frame(config: Config, prefilter: str) -> None:
     sides = [sorted((EUROC / f"mav0/cam{i}/data").glob("*.png")) for i in (0, 1)]
@@ -89,7 +89,7 @@ def frames_of_any_size(rng: np.random.Generator, config: Config, count: int) -> 
     return frames
 
 
-@pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11), Config(64, 5)], ids=name)
+@pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11), Config(64, 11)], ids=name)
 @pytest.mark.parametrize("seed", range(20))
 def test_frames_back_to_back_keep_their_own_size_and_parameters(config: Config, seed: int) -> None:
     """The registers of a frame are written while the one before streams, so that it follows at once: without

@@ -190,7 +190,7 @@ def level_ground_fills_the_view(flight: Flight, scene: Scene) -> None:
 @pytest.mark.parametrize("name", ["drone", "road_vehicle", "birds", "small_movers"])
 def test_what_moves_is_in_view_and_then_in_the_way(name: str) -> None:
     """However slowly the aircraft flies."""
-    for number in seeded(2).integers(1 << 20, size=8):
+    for number in seeded(2).integers(1 << 20, size=4):
         flight = FAMILIES[name].flight(int(number), 0)
         scene = flight.scene(flight.approach.altitude_m, flight.seed)
         (target,) = [thing for thing in scene.things if thing.target]
@@ -211,7 +211,7 @@ def test_what_is_met_in_a_turn_is_in_view(number: int) -> None:
 
 @pytest.mark.parametrize("name", ["containers", "smooth_front"])
 def test_large_fronts_are_higher_than_the_path(name: str) -> None:
-    for number in seeded(4).integers(1 << 20, size=4):
+    for number in seeded(4).integers(1 << 20, size=2):
         flight = FAMILIES[name].flight(int(number), 0)
         scene = flight.scene(flight.approach.altitude_m, flight.seed)
         (target,) = [thing for thing in scene.things if thing.target]
