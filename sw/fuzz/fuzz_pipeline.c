@@ -220,6 +220,70 @@ static uint64_t fly_ordinary(const detector *d, const vista_camera *camera) {
   return digest;
 }
 
+/* ---- inputs that reach the interior ---- */
+
+/* Writes what the functions above read. */
+typedef struct writer {
+  uint8_t *data;
+  size_t size, capacity;
+  uint32_t random;
+} writer;
+
+static int32_t any_of(writer *w, int32_t count) { return (int32_t)(fuzz_random(&w->random) >> 8) % count; }
+
+static void put(writer *w, const void *source, size_t bytes) {
+  if (w->size + bytes > w->capacity) return;
+  memcpy(w->data + w->size, source, bytes);
+  w->size += bytes;
+}
+
+static void put_byte(writer *w, int32_t value) { put(w, &(uint8_t){(uint8_t)value}, 1); }
+
+static void put_between(writer *w, int32_t low, int32_t value) { put(w, &(uint16_t){(uint16_t)(value - low)}, 2); }
+
+/* A camera that can be, a few parameters within their ranges, and frames of one scene that comes nearer. Now and then a
+ * pose jumps or turns, a time or a size is wrong, or the scene is another one. */
+static void write_flight(writer *w) {
+  put_byte(w, any_of(w, 8) == 0 ? any_of(w, 64) : 0);
+  put_between(w, 16, 48 + any_of(w, 33));
+  put_between(w, 16, 32 + any_of(w, 25));
+  put_byte(w, any_of(w, 256));
+  const int32_t changes = any_of(w, 4);
+  put_byte(w, changes);
+  for (int32_t k = 0; k < changes; ++k) {
+    put_byte(w, any_of(w, 256));
+    put_between(w, 0, any_of(w, 65535));
+  }
+  put_byte(w, any_of(w, 8) == 0 ? 0 : 1);
+  int32_t image = any_of(w, 3), words = any_of(w, 4), near = 16 * any_of(w, 60), far = any_of(w, 200);
+  int32_t seed = any_of(w, 1 << 20);
+  for (int32_t k = 0; k < FRAMES_MAX; ++k) {
+    const bool odd = any_of(w, 16) == 0, wrong = any_of(w, 16) == 0, late = any_of(w, 16) == 0;
+    if (any_of(w, 16) == 0) image = any_of(w, 3), words = any_of(w, 4), seed = any_of(w, 1 << 20);
+    put_byte(w, 1 | (wrong ? 2 : 0) | (late ? 4 : 0) | 8 | (any_of(w, 32) == 0 ? 16 : 0));
+    put_byte(w, odd ? any_of(w, 16) : 0);
+    if (wrong) put_byte(w, any_of(w, 256));
+    if (late) put(w, &(int64_t){(int64_t)PERIOD_NS * (any_of(w, 40) - 4)}, sizeof(int64_t));
+    put_byte(w, image);
+    put_byte(w, words);
+    put(w, &seed, sizeof seed);
+    put_between(w, -32, near + 20 * k);
+    put_between(w, -32, far);
+    for (int32_t bytes = odd ? any_of(w, 32) : 0; bytes > 0; --bytes) put_byte(w, any_of(w, 256));
+  }
+}
+
+size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t capacity);
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t capacity, unsigned seed);
+
+/* libFuzzer asks it for each new input: half of them are flights, half what it makes of inputs that reached something. */
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t capacity, unsigned seed) {
+  if (size > 0 && seed % 2 == 0) return LLVMFuzzerMutate(data, size, capacity);
+  writer w = {.data = data, .capacity = capacity, .random = (seed * 2654435761u) | 1};
+  write_flight(&w);
+  return w.size;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   fuzz_input input = {data, size};
   const vista_camera camera = read_camera(&input);
