@@ -44,7 +44,7 @@ module vista_framer #(
   output logic [ColW-1:0]  store_col_o,
   output logic [DataW-1:0] store_data_o,
 
-  // Of the frame being stored, which is that of the slot unless the slot is one of the last row, not the first.
+  // The frame being stored, which is that of the slot unless the slot is one of the last row, not the first.
   output logic [ColW-1:0]      last_col_o,
   output logic [RowW-1:0]      last_row_o,
   output logic [SideWidth-1:0] side_o,
