@@ -159,7 +159,9 @@ typedef struct vista_planner {
   vista_plan_seen seen[VISTA_PLAN_SEEN];
   double level[2][3]; /* axes of the grid */
   int32_t first[2]; /* its first cell in `way` and `length`, */
-  float way[VISTA_PLAN_GRID][VISTA_PLAN_GRID], length[VISTA_PLAN_GRID][VISTA_PLAN_GRID]; /* in sides of a cell */
+  float length[VISTA_PLAN_GRID][VISTA_PLAN_GRID]; /* of a way through each cell, in its sides, */
+  float way[VISTA_PLAN_GRID + 2]
+           [VISTA_PLAN_GRID + 2]; /* and from there to the goal; with a rim that nothing leads through */
   vista_plan_cell cells[VISTA_PLAN_GRID * VISTA_PLAN_GRID];
   vista_plan_decision plan; /* the last one that was committed to */
 } vista_planner;

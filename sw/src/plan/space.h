@@ -16,7 +16,7 @@
 #include "vista/directions.h"
 #include "vista/plan.h"
 
-#define VISTA_PLAN_LOOKS 256 /* places that are asked for in a decision, at most */
+#define VISTA_PLAN_LOOKS 216 /* places that are asked for in a decision, at most */
 
 /* What is known of a place, for whoever wants to fly there. */
 typedef struct vista_plan_place {

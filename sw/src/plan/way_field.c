@@ -12,13 +12,14 @@
 #define KEPT_NS INT64_C(60000000000)
 #define LEVEL_RADII 2.0 /* what was seen from farther above or below is on another way */
 #define NEAR_CELLS 4    /* around what stands: this far, cells are longer to pass, */
-#define NEAR_LENGTH 1.5
+#define NEAR_LENGTH 1.5f
 #define TOUCH_SHARE 1.2 /* and nearer than this share of the radius they are passed only if nothing else is left */
-#define TOUCH_LENGTH 12.0
-#define UNSEEN_LENGTH 1.3
+#define TOUCH_LENGTH 12.0f
+#define UNSEEN_LENGTH 1.3f
 #define ROUNDS 4 /* of four sweeps each, at most */
 #define WAY_STEPS 4
-#define FAR_M 1e9
+#define SHORTER_MIN 0.02f /* of a cell: what is less does not matter */
+#define FAR_CELLS 1e9f
 
 enum { UNSEEN = 0, FREE = 1, STANDS = 2 };
 
@@ -38,11 +39,11 @@ static void mark(vista_planner *p, const double at[2], uint8_t kind, const vista
   p->cells[place_of(x, y)] = (vista_plan_cell){x, y, (float)vista_dot(state->up, state->position_m), kind, state->t_ns};
 }
 
-static uint8_t kind_at(const vista_planner *p, int32_t x, int32_t y, const vista_plan_state *state) {
+/* What was seen of a cell at about this height of the vehicle. */
+static uint8_t kind_at(const vista_planner *p, int32_t x, int32_t y, double height_m, int64_t t_ns) {
   const vista_plan_cell *const cell = &p->cells[place_of(x, y)];
-  if (cell->x != x || cell->y != y || cell->kind == UNSEEN || state->t_ns - cell->t_ns > KEPT_NS) return UNSEEN;
-  const double apart_m = fabs(cell->height_m - vista_dot(state->up, state->position_m));
-  return apart_m < LEVEL_RADII * p->radius_m ? cell->kind : UNSEEN;
+  if (cell->x != x || cell->y != y || t_ns - cell->t_ns > KEPT_NS) return UNSEEN;
+  return fabs(cell->height_m - height_m) < LEVEL_RADII * p->radius_m ? cell->kind : UNSEEN;
 }
 
 /* Any level axes: the world's own ones, as far as they are level. */
@@ -105,53 +106,65 @@ void vista_plan_keep(vista_planner *p, const vista_plan_space *space, const vist
 
 /* ---- the ways ---- */
 
-/* How long a way through each cell is, in its sides. */
+/* Makes the cells around one at which something stands longer. */
+static void lengthen(vista_planner *p, int32_t x, int32_t y) {
+  for (int32_t b = y - NEAR_CELLS < 0 ? 0 : y - NEAR_CELLS; b <= y + NEAR_CELLS && b < GRID; ++b)
+    for (int32_t a = x - NEAR_CELLS < 0 ? 0 : x - NEAR_CELLS; a <= x + NEAR_CELLS && a < GRID; ++a) {
+      const int32_t apart2 = (a - x) * (a - x) + (b - y) * (b - y);
+      if (apart2 > NEAR_CELLS * NEAR_CELLS) continue;
+      const bool touches = apart2 <= TOUCH_SHARE * TOUCH_SHARE / (CELL_SHARE * CELL_SHARE);
+      p->length[b][a] = vista_larger(p->length[b][a], touches ? TOUCH_LENGTH : NEAR_LENGTH);
+    }
+}
+
 static void lengths(vista_planner *p, const vista_plan_state *state) {
-  float (*const length)[GRID] = p->length;
-  for (int32_t y = 0; y < GRID; ++y)
-    for (int32_t x = 0; x < GRID; ++x)
-      length[y][x] = kind_at(p, p->first[0] + x, p->first[1] + y, state) == UNSEEN ? (float)UNSEEN_LENGTH : 1.0f;
-  const double touch2 = vista_square(TOUCH_SHARE / CELL_SHARE);
+  const double height_m = vista_dot(state->up, state->position_m);
+  uint8_t kinds[GRID][GRID];
   for (int32_t y = 0; y < GRID; ++y)
     for (int32_t x = 0; x < GRID; ++x) {
-      if (kind_at(p, p->first[0] + x, p->first[1] + y, state) != STANDS) continue;
-      for (int32_t b = -NEAR_CELLS; b <= NEAR_CELLS; ++b)
-        for (int32_t a = -NEAR_CELLS; a <= NEAR_CELLS; ++a) {
-          if (x + a < 0 || x + a >= GRID || y + b < 0 || y + b >= GRID) continue;
-          const int32_t apart2 = a * a + b * b;
-          if (apart2 <= touch2)
-            length[y + b][x + a] = vista_larger(length[y + b][x + a], (float)TOUCH_LENGTH);
-          else if (apart2 <= NEAR_CELLS * NEAR_CELLS)
-            length[y + b][x + a] = vista_larger(length[y + b][x + a], (float)NEAR_LENGTH);
-        }
+      kinds[y][x] = kind_at(p, p->first[0] + x, p->first[1] + y, height_m, state->t_ns);
+      p->length[y][x] = kinds[y][x] == UNSEEN ? UNSEEN_LENGTH : 1.0f;
     }
+  for (int32_t y = 0; y < GRID; ++y)
+    for (int32_t x = 0; x < GRID; ++x)
+      if (kinds[y][x] == STANDS) lengthen(p, x, y);
 }
 
-/* The length at a cell from that at its neighbours: |grad way| = length. */
-static double solved(double a, double b, double length) {
-  const double low = fmin(a, b), apart = fabs(a - b);
-  if (apart >= length) return low + length;
-  return 0.5 * (a + b + sqrt(2.0 * length * length - apart * apart));
+/* The way from a cell if that from its neighbours is known: |grad way| = length. */
+static inline float solved(float a, float b, float length) {
+  const float apart = fabsf(a - b);
+  if (apart >= length) return vista_smaller(a, b) + length;
+  return 0.5f * (a + b + sqrtf(2.0f * length * length - apart * apart));
 }
 
-static double way_at(const vista_planner *p, int32_t x, int32_t y) {
-  return x < 0 || y < 0 || x >= GRID || y >= GRID ? FAR_M : (double)p->way[y][x];
-}
-
-static bool sweep(vista_planner *p, int32_t turn) {
-  bool changed = false;
-  for (int32_t j = 0; j < GRID; ++j)
+/* Goes through all cells, from one of the four corners. False: nothing became shorter. */
+static bool sweep(vista_planner *p, int32_t corner) {
+  bool shorter = false;
+  for (int32_t j = 0; j < GRID; ++j) {
+    const int32_t y = corner & 2 ? GRID - 1 - j : j;
+    const float *const low = p->way[y] + 1, *const high = p->way[y + 2] + 1, *const length = p->length[y];
+    float *const way = p->way[y + 1] + 1;
     for (int32_t i = 0; i < GRID; ++i) {
-      const int32_t x = turn & 1 ? GRID - 1 - i : i, y = turn & 2 ? GRID - 1 - j : j;
-      const double a = fmin(way_at(p, x - 1, y), way_at(p, x + 1, y));
-      const double b = fmin(way_at(p, x, y - 1), way_at(p, x, y + 1));
-      const float found = (float)solved(a, b, p->length[y][x]);
-      if (found < p->way[y][x] - 1e-3f) {
-        p->way[y][x] = found;
-        changed = true;
-      }
+      const int32_t x = corner & 1 ? GRID - 1 - i : i;
+      const float found = solved(vista_smaller(way[x - 1], way[x + 1]), vista_smaller(low[x], high[x]), length[x]);
+      if (!(found < way[x])) continue;
+      shorter |= found < way[x] - SHORTER_MIN;
+      way[x] = found;
     }
-  return changed;
+  }
+  return shorter;
+}
+
+/* Where the ways end: at the goal, and at the rim of the grid, from where they lead straight to it. */
+static void begin(vista_planner *p, const double goal[2]) {
+  for (int32_t y = -1; y <= GRID; ++y)
+    for (int32_t x = -1; x <= GRID; ++x) {
+      const bool outside = x < 0 || y < 0 || x == GRID || y == GRID;
+      const bool rim = x == 0 || y == 0 || x == GRID - 1 || y == GRID - 1;
+      const double off_x = p->first[0] + x + 0.5 - goal[0], off_y = p->first[1] + y + 0.5 - goal[1];
+      const bool ends = !outside && (rim || (fabs(off_x) < 1.0 && fabs(off_y) < 1.0));
+      p->way[y + 1][x + 1] = ends ? (float)hypot(off_x, off_y) : FAR_CELLS;
+    }
 }
 
 void vista_plan_spread(vista_planner *p, const vista_plan_state *state, const double goal_m[3]) {
@@ -160,16 +173,11 @@ void vista_plan_spread(vista_planner *p, const vista_plan_state *state, const do
   to_grid(p, goal_m, goal);
   for (int i = 0; i < 2; ++i) p->first[i] = (int32_t)floor(here[i]) - GRID / 2;
   lengths(p, state);
-  for (int32_t y = 0; y < GRID; ++y)
-    for (int32_t x = 0; x < GRID; ++x) {
-      const double off = hypot(p->first[0] + x + 0.5 - goal[0], p->first[1] + y + 0.5 - goal[1]);
-      const bool rim = x == 0 || y == 0 || x == GRID - 1 || y == GRID - 1;
-      p->way[y][x] = (float)(off < 1.0 || rim ? off : FAR_M);
-    }
-  for (int32_t k = 0; k < ROUNDS; ++k) {
-    bool changed = false;
-    for (int32_t turn = 0; turn < 4; ++turn) changed |= sweep(p, turn);
-    if (!changed) break;
+  begin(p, goal);
+  bool shorter = true;
+  for (int32_t k = 0; shorter && k < ROUNDS; ++k) {
+    shorter = false;
+    for (int32_t corner = 0; corner < 4; ++corner) shorter |= sweep(p, corner);
   }
 }
 
@@ -180,8 +188,9 @@ static double way_from(const vista_planner *p, const double at[2]) {
   const double x = at[0] - p->first[0] - 0.5, y = at[1] - p->first[1] - 0.5;
   const int32_t left = within(floor(x)), low = within(floor(y)), right = within(left + 1.0), high = within(low + 1.0);
   const double a = fmin(fmax(x - left, 0.0), 1.0), b = fmin(fmax(y - low, 0.0), 1.0);
-  return (1.0 - b) * ((1.0 - a) * p->way[low][left] + a * p->way[low][right]) +
-         b * ((1.0 - a) * p->way[high][left] + a * p->way[high][right]);
+  const float (*const way)[GRID + 2] = p->way;
+  return (1.0 - b) * ((1.0 - a) * way[low + 1][left + 1] + a * way[low + 1][right + 1]) +
+         b * ((1.0 - a) * way[high + 1][left + 1] + a * way[high + 1][right + 1]);
 }
 
 /* The level direction in which the way from a place goes on, in the axes of the grid. False: it ends there. */
@@ -199,7 +208,7 @@ static bool goes_on_to(const vista_planner *p, const double at[2], double ahead[
 
 vista_plan_way vista_plan_way_along(const vista_planner *p, const double from_m[3], const double level[3],
                                     double most_m) {
-  vista_plan_way found = {FAR_M, 0.0};
+  vista_plan_way found = {.length_m = INFINITY};
   double at[2], direction[2], ahead[2], flown = 0.0;
   to_grid(p, from_m, at);
   for (int i = 0; i < 2; ++i) direction[i] = vista_dot(p->level[i], level);
