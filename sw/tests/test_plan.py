@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from plan_library import RADIUS_M, Flight, Planner, distance_m, goal_of, seen_world, state_of
 from random_seed import seeded
-from space_library import UNMATCHED, Wall
+from space_library import UNMATCHED, Wall, scene
 from stage_library import ffi, lib
 
 
@@ -27,7 +27,7 @@ def test_each_plan_ends_in_a_stop_that_is_held() -> None:
 
 @pytest.mark.parametrize("z_m", [12.0, 20.0])
 def test_it_leaves_its_way_before_a_board(z_m: float) -> None:
-    space = seen_world([Wall(z_m, (-2.0, 3.0))])
+    space = seen_world([Wall(z_m, (-2.0, 2.0))])
     decision = Planner(plan__climb_max_m_s=0.0).decide(space, state_of(velocity=(0.0, 0.0, 5.0)), goal_of())
     assert decision.action == "evades"
     assert abs(decision.options[decision.chosen].direction[0]) > 0.1
@@ -125,6 +125,32 @@ def test_it_flies_around_a_wall_that_is_wider_than_the_view() -> None:
     flight = flown([Wall(30.0, (-12.0, 10.0))])
     assert flight.decisions[-1].action == "arrived"
     assert flight.clearance_m > 0.8 * RADIUS_M and flight.way_m < 90.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("to", [(-8.0, 0.0, 10.0), (0.0, 0.0, -15.0)], ids=["beside", "behind"])
+def test_it_turns_to_a_goal_that_is_out_of_view(to: tuple[float, float, float]) -> None:
+    """Who flies on at speed past a goal that he does not see circles around it."""
+    flight = Flight([], goal_of((0.0, 0.0, 60.0), 3.0, (0.0, 0.0, 0.0), passed=False))
+    while flight.t_s < 5.0:
+        flight.step()
+    flight.goal = goal_of(to, 3.0, to, passed=False)
+    while flight.t_s < 30.0 and flight.step().action != "arrived":
+        pass
+    assert flight.decisions[-1].action == "arrived" and flight.t_s < 30.0
+
+
+def test_what_was_seen_to_be_free_stays_so_for_a_while_when_it_leaves_the_view() -> None:
+    """The frames that the map still keeps were taken farther ahead, with the vehicle behind the camera."""
+    for seconds, known in ((2.0, True), (20.0, False)):
+        planner, space = Planner(), seen_world()
+        planner.decide(space, state_of(velocity=(0.0, 0.0, 3.0)), goal_of(speed_m_s=3.0))
+        space.reset()
+        for k in range(6):
+            space.take(scene((), 20.0, np.array([0.0, 0.0, 30.0])), 1.0 + seconds + 0.1 * k)
+        state = state_of(t_s=1.5 + seconds)
+        decision = planner.decide(space, state, goal_of(speed_m_s=3.0))
+        assert (decision.action != "holds") == known
 
 
 @pytest.mark.slow

@@ -19,8 +19,8 @@
 #define AWAY_RADII 3.0 /* A way that ends nearer, in radii of the vehicle, leads nowhere. */
 #define ARRIVE_SHARE 0.5 /* of the acceleration, to stop at the goal with */
 #define ARRIVE_S 1.0 /* and no faster than what is left of the way, over this */
-#define BEGINS_S 1.2 /* so long at most a way begins straight, as it is weighed, */
-#define BEGINS_RADII 3.0 /* and so many radii at least */
+#define BEGINS_S 1.2 /* A way that is weighed begins straight, at most for as far as is flown in this time, */
+#define BEGINS_RADII 3.0 /* or for so many radii, whichever is longer. */
 #define COLUMN_MARGIN 2 /* columns beside a direction that tell how far it is known to be free */
 #define SLOPE_MAX 0.35  /* of climbs and descents: what is steeper is out of view */
 #define UPRIGHT_LOOKS 3 /* places that are asked for on a way that climbs or descends */

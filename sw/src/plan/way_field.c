@@ -76,9 +76,17 @@ static view view_of(const vista_planner *p, const vista_plan_space *space) {
   return v;
 }
 
-static void along_column(const view *v, int32_t column, double range, double at[2]) {
+/* The level direction of a column, in the axes of the grid. */
+static void along_column(const view *v, int32_t column, double along[2]) {
   const double azimuth = (VISTA_DIRECTIONS_FIRST_DEG + column + 0.5) * VISTA_RADIANS_PER_DEGREE;
-  for (int i = 0; i < 2; ++i) at[i] = v->from[i] + range * (cos(azimuth) * v->ahead[i] + sin(azimuth) * v->right[i]);
+  const double c = cos(azimuth), s = sin(azimuth);
+  for (int i = 0; i < 2; ++i) along[i] = c * v->ahead[i] + s * v->right[i];
+}
+
+static void mark_along(vista_planner *p, const view *v, const double along[2], double range, uint8_t kind,
+                       const vista_plan_state *state) {
+  const double at[2] = {v->from[0] + range * along[0], v->from[1] + range * along[1]};
+  mark(p, at, kind, state);
 }
 
 void vista_plan_keep(vista_planner *p, const vista_plan_space *space, const vista_plan_state *state) {
@@ -86,21 +94,19 @@ void vista_plan_keep(vista_planner *p, const vista_plan_space *space, const vist
   if (!p->has_level) take_axes(p, state->up);
   p->has_level = true;
   const view v = view_of(p, space);
-  double at[2];
+  double at[2], along[2];
   to_grid(p, state->position_m, at);
   mark(p, at, FREE, state);
   for (int32_t k = 0; k < VISTA_DIRECTIONS; ++k) {
     const double ends = d->blocked_m[k] > 0.0f ? fmin(d->free_m[k], d->blocked_m[k]) : d->free_m[k];
     const double most = fmin(ends / cell_m(p), GRID / 2 - 1.0);
-    for (double range = 0.0; range < most; range += 0.5) {
-      along_column(&v, k, range, at);
-      mark(p, at, FREE, state);
-    }
+    along_column(&v, k, along);
+    for (double range = 0.0; range < most; range += 0.5) mark_along(p, &v, along, range, FREE, state);
   }
   for (int32_t k = 0; k < VISTA_DIRECTIONS; ++k) {
     if (!(d->blocked_m[k] > 0.0f) || !(d->blocked_m[k] < cell_m(p) * (GRID / 2 - 1))) continue;
-    along_column(&v, k, d->blocked_m[k] / cell_m(p), at);
-    mark(p, at, STANDS, state);
+    along_column(&v, k, along);
+    mark_along(p, &v, along, d->blocked_m[k] / cell_m(p), STANDS, state);
   }
 }
 
@@ -193,13 +199,17 @@ static double way_from(const vista_planner *p, const double at[2]) {
          b * ((1.0 - a) * way[high + 1][left + 1] + a * way[high + 1][right + 1]);
 }
 
-/* The level direction in which the way from a place goes on, in the axes of the grid. False: it ends there. */
+/* The level direction in which the way from a place goes on, in the axes of the grid: towards the nearer neighbours, since
+ * between two ways that are as long as each other the difference of both sides would lead along neither. False: it ends
+ * there. */
 static bool goes_on_to(const vista_planner *p, const double at[2], double ahead[2]) {
+  const double here = way_from(p, at);
   for (int i = 0; i < 2; ++i) {
     double before[2] = {at[0], at[1]}, after[2] = {at[0], at[1]};
     before[i] -= 1.0;
     after[i] += 1.0;
-    ahead[i] = way_from(p, before) - way_from(p, after);
+    const double back = here - way_from(p, before), on = here - way_from(p, after);
+    ahead[i] = fmax(back, on) <= 0.0 ? 0.0 : on >= back ? on : -back;
   }
   const double length = hypot(ahead[0], ahead[1]);
   for (int i = 0; i < 2; ++i) ahead[i] /= fmax(length, 1e-6);
