@@ -133,14 +133,17 @@ def recorded(config: Config, trace: Path) -> None:
         frame_at_reset_defaults(rtl, rng)
         rtl.write(INTERRUPT_MASK, 3)
         if config.rows:
-            raw_frames(rtl, rng, 4)
+            raw_frames(rtl, rng, 6)
             faulty_raw_video(rtl, rng)
-            maps_and_resets(rtl, rng)
-            raw_frames(rtl, rng, 1)
+            for _ in range(2):
+                maps_and_resets(rtl, rng)
+            raw_frames(rtl, rng, 2)
         else:
+            frames(rtl, rng, 2)
             faulty_video(rtl, rng)
-            reset_inside_a_frame(rtl, rng)
-            frame_at_reset_defaults(rtl, rng)
+            for _ in range(2):
+                reset_inside_a_frame(rtl, rng)
+                frame_at_reset_defaults(rtl, rng)
             frames(rtl, rng, 3)
         for address, _ in registers().values():
             rtl.read(address)
@@ -151,7 +154,7 @@ def recorded(config: Config, trace: Path) -> None:
 def test_release_gives_the_same_in_every_clock_and_no_x(config: Config, tmp_path: Path) -> None:
     recorded(config, tmp_path / "trace")
     got = replay(config, released(config), tmp_path / "trace")
-    assert got.words > 5_000
+    assert got.words > 10_000
     assert (got.with_x, got.differ) == (0, 0), got.text
 
 
