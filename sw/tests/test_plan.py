@@ -80,6 +80,8 @@ def test_what_is_no_state_is_refused() -> None:
     planner, space, goal = Planner(), seen_world(), goal_of()
     for changes, status in (
         ({"position_m": [float("nan"), 0.0, 0.0]}, "VISTA_ERROR_NUMBER"),
+        ({"position_m": [2e6, 0.0, 0.0]}, "VISTA_ERROR_RANGE"),
+        ({"velocity_m_s": [0.0, -1e300, 0.0]}, "VISTA_ERROR_RANGE"),
         ({"up": [0.0, -2.0, 0.0]}, "VISTA_ERROR_RANGE"),
         ({"heading": [0.0, 1.0, 0.0]}, "VISTA_ERROR_RANGE"),
     ):

@@ -177,7 +177,8 @@ VISTA_API void vista_planner_reset(vista_planner *planner);
  *
  * - VISTA_ERROR_ARGUMENT: a pointer is null, or the detector has not judged any frame.
  * - VISTA_ERROR_NUMBER: a number of the state or of the goal is not finite.
- * - VISTA_ERROR_RANGE: a direction is not of unit length, the heading is upright, or the speed is not positive.
+ * - VISTA_ERROR_RANGE: a direction is not of unit length, the heading is upright, the speed is not positive, or a
+ *   number is beyond a million metres or metres a second.
  * - VISTA_ERROR_ORDER: the state is older than the one before. */
 VISTA_API vista_status vista_planner_decide(vista_planner *planner, const vista_detector *detector,
                                             const vista_plan_state *state, const vista_plan_goal *goal,

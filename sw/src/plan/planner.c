@@ -13,6 +13,7 @@
 
 #define SIGMAS 2.0 /* of the position's error, by which the vehicle is wider */
 #define STILL_M_S 0.5
+#define MOST 1e6 /* metres, or metres a second: cells are counted in 32 bits */
 #define ARRIVED_M 0.5 /* of a multirotor, from the goal; */
 #define ARRIVED_S 2.0 /* of a fixed wing, which has to be nearer than so long a flight */
 #define OFF_SHARE 0.5 /* of the radius: a vehicle that is farther off its plan does not fly it */
@@ -48,15 +49,22 @@ void vista_planner_reset(vista_planner *planner) {
 
 static bool is_unit(const double vector[3]) { return fabs(vista_dot(vector, vector) - 1.0) < 1e-3; }
 
-static vista_status check(const vista_planner *planner, const vista_plan_state *state, const vista_plan_goal *goal) {
-  double sum = state->position_sigma_m + goal->speed_m_s;
-  for (int i = 0; i < 3; ++i)
-    sum += state->position_m[i] + state->velocity_m_s[i] + state->acceleration_m_s2[i] + state->up[i] +
-           state->heading[i] + goal->from_m[i] + goal->to_m[i];
+static vista_status check(const vista_planner *planner, const vista_pipeline_stages *seen,
+                          const vista_plan_state *state, const vista_plan_goal *goal) {
+  double sum = state->position_sigma_m + goal->speed_m_s, most = fmax(state->position_sigma_m, goal->speed_m_s);
+  for (int i = 0; i < 3; ++i) {
+    const double given[] = {state->position_m[i], state->velocity_m_s[i], state->acceleration_m_s2[i],
+                            goal->from_m[i],      goal->to_m[i],          seen->frame->motion.pose.translation_m[i]};
+    sum += state->up[i] + state->heading[i];
+    for (size_t k = 0; k < sizeof given / sizeof given[0]; ++k) {
+      sum += given[k];
+      most = fmax(most, fabs(given[k]));
+    }
+  }
   double level[3];
   if (!isfinite(sum)) return VISTA_ERROR_NUMBER;
   if (!is_unit(state->up) || !is_unit(state->heading) || !vista_plan_level(state->up, state->heading, level) ||
-      !(goal->speed_m_s > 0.0) || !(state->position_sigma_m >= 0.0))
+      !(goal->speed_m_s > 0.0) || !(state->position_sigma_m >= 0.0) || !(most <= MOST))
     return VISTA_ERROR_RANGE;
   return planner->began && state->t_ns < planner->t_ns ? VISTA_ERROR_ORDER : VISTA_OK;
 }
@@ -291,7 +299,7 @@ static void decide(work *w) {
 vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipeline_stages *seen,
                                      const vista_directions *directions, const vista_plan_state *state,
                                      const vista_plan_goal *goal, vista_plan_decision *decision) {
-  const vista_status status = check(planner, state, goal);
+  const vista_status status = check(planner, seen, state, goal);
   if (status != VISTA_OK) return status;
   if (seen->frame->motion.restarted) vista_planner_reset(planner);
   planner->began = true;
