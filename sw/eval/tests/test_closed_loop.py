@@ -106,6 +106,22 @@ def test_the_vehicle_takes_up_a_velocity_and_holds_its_height():
     assert vehicle.state.position_m[2] == pytest.approx(10.0, abs=0.2)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_the_vehicle_keeps_its_height_and_turns_where_it_is_told_to_go_to_and_fro(seed):
+    random = np.random.default_rng(seed)
+    vehicle = Multirotor(np.array([0.0, 0, 10]), 0.0)
+    least_m, heading = 10.0, 0.0
+    for _ in range(6):
+        heading, velocity = random.uniform(-3.1, 3.1), random.uniform(-5, 5, 2)
+        for _ in range(round(1.0 / STEP_S)):
+            vehicle.step(Setpoint(np.array([*velocity, 0.0]), heading), np.zeros(3))
+            least_m = min(least_m, vehicle.state.position_m[2])
+    flown(vehicle, Setpoint(np.zeros(3), heading), 2.5)
+    assert least_m > 9.5, f"seed {seed}"
+    assert vehicle.state.heading_rad == pytest.approx(heading, abs=0.05), f"seed {seed}"
+    assert vehicle.state.velocity_m_s == pytest.approx(np.zeros(3), abs=0.1), f"seed {seed}"
+
+
 def test_it_holds_its_place_in_wind():
     place = np.array([0.0, 0, 10])
     vehicle = Multirotor(place, 1.0)

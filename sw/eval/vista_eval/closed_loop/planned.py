@@ -26,7 +26,9 @@ class Planned:
     def at(self, after_s: float) -> Setpoint:
         told = self._plan.at(after_s)
         heading_rad = math.atan2(told.heading[1], told.heading[0])
-        return Setpoint(told.velocity_m_s, heading_rad, told.position_m, told.acceleration_m_s2)
+        return Setpoint(
+            told.velocity_m_s, heading_rad, told.position_m, told.acceleration_m_s2, told.yaw_rate_rad_s
+        )
 
 
 class WithPlanner:

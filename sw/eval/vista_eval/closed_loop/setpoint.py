@@ -16,6 +16,7 @@ class Setpoint(NamedTuple):
     heading_rad: float  # about world z, from x
     position_m: Vector | None = None  # None: no place is held
     acceleration_m_s2: Vector = np.zeros(3)  # that belongs to the trajectory
+    yaw_rate_rad_s: float = 0.0  # likewise, about world z
 
 
 class Trajectory(Protocol):

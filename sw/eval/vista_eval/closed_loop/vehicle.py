@@ -1,8 +1,10 @@
 """A multirotor with motors that saturate, drag and wind, and the controller that tracks setpoints with it.
 
 The dynamics are those of rotorpy (MIT), with the airframe that PX4's own simulator uses: 1 kg, a thrust of
-twice the weight, motors that lag by 50 ms. The controller is a cascade of position, velocity and attitude as
-autopilots have it; rotorpy turns thrust and attitude into speeds of the rotors and limits them."""
+twice the weight, motors that lag by 50 ms. The controller is a cascade of position, velocity, attitude and
+rates as autopilots have it. Where the rotors cannot give all that is asked, thrust comes first, then roll and
+pitch, and yaw last, as in PX4's allocation; and the thrust makes up for the true tilt, as ArduPilot's does,
+so that a vehicle that is still leaning does not sink."""
 
 from __future__ import annotations
 
@@ -18,11 +20,15 @@ from vista_eval.closed_loop.setpoint import Setpoint
 INSTALL = "pip install --no-deps rotorpy==3.0.0; pip install scipy"
 GRAVITY_M_S2 = 9.81
 STEP_S = 0.01
-# The motors lag by 50 ms, so the attitude follows with 12 rad/s and the velocity with 3.
-ATTITUDE_GAIN, RATE_GAIN = 120.0, 18.0
+# The motors lag by 50 ms, so the tilt follows with 11 rad/s and the velocity with 3.
+TILT_GAIN, RATE_GAIN = 120.0, 18.0
+# The rotors' drag gives 6.5 rad/s2 of yaw at most, so the heading follows with 4 rad/s.
+HEADING_GAIN, YAW_RATE_GAIN = 3.0, 6.0
+MOST_TURN_RAD_S, MOST_TURN_RAD_S2 = 1.5, 4.0
+LEAST_UPRIGHT = 0.5  # cosine of the tilt up to which the thrust makes up for it
+THRUST_RANGE = 0.1, 0.9  # shares of the most: the rest is kept for roll and pitch
 POSITION_GAIN, VELOCITY_GAIN, WIND_GAIN = 1.2, 3.0, 0.8
 MOST_WIND_M_S2 = 2.5  # that the integral of the velocity's error makes up for
-MOST_TURN_RAD_S = 1.5
 SMOOTHED_S = 0.05  # of the acceleration, as inertial sensors are filtered
 
 
@@ -62,9 +68,8 @@ def airframe() -> tuple[Any, Any]:
         from scipy.spatial.transform import Rotation
     except ModuleNotFoundError as error:
         raise InputError("vista fly", f"{error.name} is not installed: {INSTALL}") from None
-    gains = {"kp_att": ATTITUDE_GAIN, "kd_att": RATE_GAIN}
     tolerances = {"method": "RK23", "rtol": 1e-3, "atol": 1e-5, "first_step": STEP_S}
-    return Model(quad_params | gains, control_abstraction="cmd_ctatt", integrator_kwargs=tolerances), Rotation
+    return Model(quad_params, control_abstraction="cmd_motor_thrusts", integrator_kwargs=tolerances), Rotation
 
 
 class Multirotor:
@@ -80,7 +85,7 @@ class Multirotor:
             "wind": np.zeros(3),
             "rotor_speeds": np.full(4, hover_rad_s),
         }
-        self._told_rad = heading_rad
+        self._turn_rad_s = 0.0  # that is asked for
         self._against_wind = np.zeros(3)
         self._acceleration = np.zeros(3)
 
@@ -92,21 +97,41 @@ class Multirotor:
 
     def step(self, setpoint: Setpoint, wind_m_s: np.ndarray) -> None:
         """Flies on for STEP_S."""
-        asked = self.asked_m_s2(setpoint)
-        turn = wrapped(setpoint.heading_rad - self._told_rad)
-        self._told_rad += float(np.clip(turn, -MOST_TURN_RAD_S * STEP_S, MOST_TURN_RAD_S * STEP_S))
-        force = self._model.mass * (asked + np.array([0.0, 0.0, GRAVITY_M_S2]))
-        up = force / np.linalg.norm(force)
-        left = np.cross(up, [math.cos(self._told_rad), math.sin(self._told_rad), 0.0])
-        left /= np.linalg.norm(left)
-        wanted = np.column_stack([np.cross(left, up), left, up])
-        thrust = float(force @ self._rotation.from_quat(self._state["q"]).as_matrix()[:, 2])
-        told = {"cmd_thrust": max(thrust, 0.0), "cmd_q": self._rotation.from_matrix(wanted).as_quat()}
+        self._turn(setpoint)
+        force = self._model.mass * (self.asked_m_s2(setpoint) + np.array([0.0, 0.0, GRAVITY_M_S2]))
+        told = {"cmd_motor_thrusts": self.thrusts_n(force)}
         self._state["wind"] = np.asarray(wind_m_s, float)
         before = self._state["v"]
         self._state = self._model.step(self._state, told, STEP_S)
         acceleration = (self._state["v"] - before) / STEP_S
         self._acceleration += STEP_S / SMOOTHED_S * (acceleration - self._acceleration)
+
+    def _turn(self, setpoint: Setpoint) -> None:
+        """Asks for the turn that brings the heading to the setpoint's, as fast as the yaw can follow."""
+        off_rad = wrapped(setpoint.heading_rad - self.state.heading_rad)
+        rate = setpoint.yaw_rate_rad_s + HEADING_GAIN * off_rad
+        more = np.clip(rate, -MOST_TURN_RAD_S, MOST_TURN_RAD_S) - self._turn_rad_s
+        self._turn_rad_s += float(np.clip(more, -MOST_TURN_RAD_S2 * STEP_S, MOST_TURN_RAD_S2 * STEP_S))
+
+    def thrusts_n(self, force_n: np.ndarray) -> np.ndarray:
+        """The thrust of each rotor that turns the vehicle's up to the force, and gives its upright part."""
+        state, model = self.state, self._model
+        most_n = model.k_eta * model.rotor_speed_max**2
+        upright = max(float(state.rotation[2, 2]), LEAST_UPRIGHT)
+        least, highest = (4 * share * most_n for share in THRUST_RANGE)
+        up = state.rotation.T @ force_n / np.linalg.norm(force_n)  # in the body
+        turning = np.array(  # rad/s2
+            [
+                -TILT_GAIN * up[1] - RATE_GAIN * state.rates_rad_s[0],
+                TILT_GAIN * up[0] - RATE_GAIN * state.rates_rad_s[1],
+                YAW_RATE_GAIN * (self._turn_rad_s - state.rates_rad_s[2]),
+            ]
+        )
+        moment = model.inertia @ turning
+        shares = model.TM_to_f * np.array([np.clip(force_n[2] / upright, least, highest), *moment])
+        thrust, tilt, yaw = shares[:, 0], shares[:, 1] + shares[:, 2], shares[:, 3]
+        tilted = thrust + fitting(thrust, tilt, most_n) * tilt
+        return tilted + fitting(tilted, yaw, most_n) * yaw
 
     def asked_m_s2(self, setpoint: Setpoint) -> np.ndarray:
         """The acceleration that brings the vehicle to the setpoint, within its limits."""
@@ -119,6 +144,12 @@ class Multirotor:
             more = self._against_wind + WIND_GAIN * STEP_S * error
             self._against_wind = np.clip(more, -MOST_WIND_M_S2, MOST_WIND_M_S2)
         return asked + self._against_wind
+
+
+def fitting(thrusts_n: np.ndarray, more_n: np.ndarray, most_n: float) -> float:
+    """The share of more, up to 1, that can be added so that each rotor's thrust stays from 0 to most_n."""
+    room = np.where(more_n > 0, most_n - thrusts_n, thrusts_n)
+    return float(np.min(np.minimum(1.0, room / np.maximum(np.abs(more_n), 1e-9))))
 
 
 def limited(acceleration: np.ndarray, limits: Limits) -> np.ndarray:
