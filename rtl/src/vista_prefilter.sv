@@ -134,20 +134,20 @@ module vista_prefilter #(
     if (!rst_ni) slot4_q.valid <= 1'b0;
   end
 
-  // 5: its magnitude, clamped; 6: back above zero.
+  // 5: the gradient plus the cap, beside the verdicts on which side it leaves the range, and its magnitude where it does
+  // not; 6: the choice among them. No carry chain waits for another.
   slot_t                        slot5_q;
   logic [ColW-1:0]              col5_q;
   logic [PairW-1:0]             grey5_q;
-  logic [1:0]                   negative5_q;
-  logic [1:0][TextureW-1:0]     magnitude5_q;
-  logic [1:0][VerticalW:0]      magnitude4;
-  logic [1:0][PixelW-1:0]       sobel;
+  logic [1:0] above5_q, below5_q;
+  logic [1:0][VerticalW+1:0] raised4;
+  logic [1:0][PixelW-1:0] raised5_q, sobel;
+  logic [TextureW-1:0] magnitude5_q;
 
   always_comb begin
     for (int unsigned i = 0; i < 2; i++) begin
-      magnitude4[i] = gradient4_q[i][VerticalW] ? -gradient4_q[i] : gradient4_q[i];
-      sobel[i] = negative5_q[i] ? PixelW'(params_o.cap) - PixelW'(magnitude5_q[i])
-                                : PixelW'(params_o.cap) + PixelW'(magnitude5_q[i]);
+      raised4[i] = {gradient4_q[i][VerticalW], gradient4_q[i]} + (VerticalW + 2)'(params4_q.cap);
+      sobel[i] = below5_q[i] ? '0 : above5_q[i] ? PixelW'({params_o.cap, 1'b0}) : raised5_q[i];
     end
   end
 
@@ -157,16 +157,17 @@ module vista_prefilter #(
     col5_q  <= col4_q;
     grey5_q <= grey4_q;
     for (int unsigned i = 0; i < 2; i++) begin
-      negative5_q[i]  <= gradient4_q[i][VerticalW];
-      magnitude5_q[i] <= (magnitude4[i] > (VerticalW + 1)'(params4_q.cap)) ? params4_q.cap
-                                                                         : TextureW'(magnitude4[i]);
+      raised5_q[i] <= PixelW'(raised4[i]);
+      below5_q[i]  <= raised4[i][VerticalW+1];
+      above5_q[i]  <= $signed(gradient4_q[i]) > $signed((VerticalW + 1)'(params4_q.cap));
     end
+    magnitude5_q <= gradient4_q[0][VerticalW] ? -TextureW'(gradient4_q[0]) : TextureW'(gradient4_q[0]);
 
     slot_o     <= slot5_q;
     slot_col_o <= col5_q;
     left_o     <= params_o.xsobel ? sobel[0] : grey5_q[0+:PixelW];
     right_o    <= params_o.xsobel ? sobel[1] : grey5_q[PixelW+:PixelW];
-    texture_o  <= magnitude5_q[0];
+    texture_o  <= (above5_q[0] | below5_q[0]) ? params_o.cap : magnitude5_q;
     if (!rst_ni) begin
       slot5_q.valid <= 1'b0;
       slot_o.valid  <= 1'b0;
