@@ -1,8 +1,8 @@
 """Make the parts of the documentation that state what other files define.
 
 The documentation's conf.py calls this before each build: parameters.md comes from sw/parameters.toml,
-obstacles.md from the JSON Schema of obstacles.jsonl, requirements.md from doc/requirements.toml, and the C
-headers are copied with their comments in the form that hawkmoth reads.
+obstacles.md from the JSON Schema of obstacles.jsonl, requirements.md from doc/requirements.toml, testplan.md
+from rtl/testplan.toml, and the C headers are copied with their comments in the form that hawkmoth reads.
 """
 
 from __future__ import annotations
@@ -11,12 +11,14 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from evidence import REQUIREMENTS, TESTPLAN, named, read
+
 ROOT = Path(__file__).resolve().parents[1]
 PARAMETERS = ROOT / "sw" / "parameters.toml"
-REQUIREMENTS = ROOT / "doc" / "requirements.toml"
 SCHEMA = ROOT / "doc" / "obstacles.schema.json"
 INCLUDE_FOLDERS = (ROOT / "sw" / "include", ROOT / "model" / "c" / "include")
 
@@ -54,7 +56,20 @@ def parameters_page(schema: dict[str, Entry]) -> str:
     return "\n".join(lines)
 
 
-# ---- requirements ----
+# ---- requirements and test plan ----
+
+
+def evidence_of(entry: Entry) -> str:
+    return ", ".join(f"{kind} `{what}`" for kind, what in named([entry]))
+
+
+def testplan_page(points: list[Entry]) -> str:
+    """The points of the test plan with their evidence, a table for each part."""
+    lines = []
+    for part, entries in groupby(points, key=lambda point: str(point["part"])):
+        rows: list[tuple[str, ...]] = [(p["id"], p["text"], evidence_of(p)) for p in entries]
+        lines += [f"### {part.capitalize()}", "", *table("point | promise | evidence", rows)]
+    return "\n".join(lines)
 
 
 def requirements_page(content: dict[str, list[Entry]]) -> str:
@@ -73,7 +88,7 @@ def requirements_page(content: dict[str, list[Entry]]) -> str:
             r["id"],
             r["text"],
             f"{r['source']}; {', '.join(r['hazards'])}",
-            ", ".join(f"{kind} `{what.strip()}`" for kind, what in (e.split(":", 1) for e in r["evidence"])),
+            evidence_of(r),
         )
         for r in content["requirement"]
     ]
@@ -186,7 +201,8 @@ def write_if_other(path: Path, text: str) -> None:
 
 def write_pages(folder: Path, header_folder: Path) -> None:
     write_if_other(folder / "parameters.md", parameters_page(tomllib.loads(PARAMETERS.read_text())))
-    write_if_other(folder / "requirements.md", requirements_page(tomllib.loads(REQUIREMENTS.read_text())))
+    write_if_other(folder / "requirements.md", requirements_page(read(REQUIREMENTS)))
+    write_if_other(folder / "testplan.md", testplan_page(read(TESTPLAN)["point"]))
     write_if_other(folder / "obstacles.md", obstacles_page(json.loads(SCHEMA.read_text())))
     write_if_other(folder / "c.md", c_page(headers()))
     for name, text in headers().items():

@@ -27,6 +27,7 @@ GENERATED = {
     "generated/obstacles.md",
     "generated/requirements.md",
     "generated/c.md",
+    "../generated/testplan.md",
 }
 PAGES = [*ROOT.glob("*.md"), *(page for folder in FOLDERS for page in sorted((ROOT / folder).rglob("*.md")))]
 PAGES = [page for page in PAGES if page.parent.name != "generated"]
