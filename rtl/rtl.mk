@@ -20,7 +20,7 @@ SOAK_FRAMES ?= 10000
 SOAK_CASES ?= 400
 MUTANTS ?= 50
 
-.PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal synth soak mutate coverage-rtl release-rtl
+.PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal fusesoc synth soak mutate coverage-rtl release-rtl
 
 setup-rtl: $(RTL_TOOLS) ## install the tools of rtl/ and tb/: cocotb, Verilator, Icarus, Yosys, nextpnr, PeakRDL, Verible
 
@@ -97,6 +97,9 @@ synth: $(RTL_TOOLS) ## synthesise, place and route for ECP5, and write resources
 
 formal: $(RTL_TOOLS) ## prove the properties of handshakes and buffers by k-induction
 	@$(RTL_PYTHON) rtl/flow/formal_rtl.py
+
+fusesoc: $(RTL_TOOLS) ## run the targets of the FuseSoC core with the pinned tools: lint, simulation, a proof, place and route for ECP5
+	@$(RTL_PYTHON) rtl/flow/fusesoc_targets.py
 
 soak: $(RTL_TOOLS) build systemc-tests ## compare the RTL with SOAK_CASES of the SystemC engine and SOAK_FRAMES each of core and front end with the models; continues where it stopped
 	@$(RTL_PYTHON) rtl/flow/soak_system_model.py --cases $(SOAK_CASES)

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import formal_rtl
+import fusesoc_targets
 import pytest
 from lxml import etree
 from tools import ROOT, sources
@@ -38,6 +39,11 @@ def test_core_file_lists_the_properties() -> None:
 
 def test_fusesoc_proves_what_make_formal_does() -> None:
     assert formal_rtl.TEMPLATE.read_text() == formal_rtl.template(), "formal_rtl.py --template"
+
+
+@pytest.mark.parametrize("target", ["lint_raw", "formal:vista_skid"])
+def test_fusesoc_runs_a_target(target: str) -> None:
+    assert fusesoc_targets.run(target)
 
 
 def test_ip_xact_is_what_its_schema_says() -> None:
