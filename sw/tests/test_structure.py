@@ -42,7 +42,7 @@ def test_no_two_sources_call_each_other() -> None:
     calls = networkx.DiGraph(
         (source, owner[name]) for source, names in needs.items() for name in names if name in owner
     )
-    assert {"pipeline", "seeds", "seed_extent", "merge", "motion"} <= set(calls)
+    assert {"pipeline", "seeds", "merge", "motion"} <= set(calls)
     assert list(networkx.simple_cycles(calls)) == []
     assert set(calls.successors("obstacle_map")).isdisjoint({"regions", "pipeline"})
     assert not calls.has_edge("collision_volume", "obstacle_map")

@@ -28,17 +28,6 @@ vista_status vista_affinity_layout(vista_affinity *affinity, vista_arena *arena,
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
-int32_t vista_flow_encode(const vista_affinity_params *params, double affinity) {
-  return (int32_t)lround(params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_LINEAR
-                             ? VISTA_FLOW_SCALE * (affinity + 1.0) / 2.0
-                             : VISTA_FLOW_SCALE * pow(FLOW_CONSTANT, (affinity - 1.0) / 2.0));
-}
-
-/* The exponential encoding as a power of two, 2^(offset + slope w). */
-typedef struct exponential {
-  double offset, slope;
-} exponential;
-
 /* 2^x within 1e-10 of it, for -1000 < x < 1000: the series of e^(r ln 2) for |r| <= 1/2 times a whole power. */
 static inline double power_of_two(double x) {
   const int32_t whole = (int32_t)(x + 1024.5) - 1024;
@@ -52,6 +41,16 @@ static inline double power_of_two(double x) {
   double scale;
   memcpy(&scale, &bits, sizeof scale);
   return fraction * scale;
+}
+
+static inline int32_t flow_of(bool linear, double affinity) {
+  const double doublings = 0.5 * log2(FLOW_CONSTANT);
+  const double exponential = power_of_two(log2(VISTA_FLOW_SCALE) + doublings * (affinity - 1.0));
+  return (int32_t)((linear ? VISTA_FLOW_SCALE * (affinity + 1.0) / 2.0 : exponential) + 0.5);
+}
+
+int32_t vista_flow_encode(const vista_affinity_params *params, double affinity) {
+  return flow_of(params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_LINEAR, affinity);
 }
 
 #define EDGES 256 /* that are treated at once, side by side */
@@ -110,26 +109,9 @@ static void weigh(const vista_affinity_params *params, int32_t count, edges *e) 
   }
 }
 
-#define UNSURE (-1)
-
-/* Encodes affinities exponentially, as vista_flow_encode does, without pow(); UNSURE where the fast power might round
- * to the other side. */
-VISTA_WIDE_VECTORS static void encode_fast(const exponential *curve, const float *restrict weight, int32_t count,
-                                           int32_t *restrict capacity) {
-  const double offset = curve->offset, slope = curve->slope;
-  for (int32_t k = 0; k < count; ++k) {
-    const double flow = power_of_two(offset + slope * (double)weight[k]);
-    const int32_t rounded = (int32_t)(flow + 0.5);
-    capacity[k] = fabs(flow - rounded) < 0.5 - 1e-4 ? rounded : UNSURE;
-  }
-}
-
-static void encode(const vista_affinity_params *params, const exponential *curve, const float *weight, int32_t count,
-                   int32_t *capacity) {
-  const bool fast = params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_EXPONENTIAL;
-  if (fast) encode_fast(curve, weight, count, capacity);
-  for (int32_t k = 0; k < count; ++k)
-    if (!fast || capacity[k] == UNSURE) capacity[k] = vista_flow_encode(params, (double)weight[k]);
+VISTA_WIDE_VECTORS static void encode(bool linear, const float *restrict weight, int32_t count,
+                                      int32_t *restrict capacity) {
+  for (int32_t k = 0; k < count; ++k) capacity[k] = flow_of(linear, (double)weight[k]);
 }
 
 static void scatter(const vista_graph *graph, int32_t first, int32_t count, const edges *e, vista_affinity *affinity) {
@@ -144,16 +126,15 @@ static void scatter(const vista_graph *graph, int32_t first, int32_t count, cons
 void vista_affinity_compute(const vista_frame_view *frame, const vista_cells *cells, vista_affinity *affinity) {
   const vista_foveation *const foveation = frame->foveation;
   const vista_affinity_params *const params = &frame->params->affinity;
-  const double doublings = 0.5 * log2(FLOW_CONSTANT);
-  const exponential curve = {log2(VISTA_FLOW_SCALE) - doublings, doublings};
+  const bool linear = params->flow_encoding == VISTA_AFFINITY_FLOW_ENCODING_LINEAR;
   edges e;
   for (int32_t first = 0; first < foveation->graph.edge_count; first += EDGES) {
     const int32_t left = foveation->graph.edge_count - first, count = left < EDGES ? left : EDGES;
     gather(foveation, cells, first, count, &e);
     find_exponents(frame, count, &e);
     weigh(params, count, &e);
-    encode(params, &curve, e.weight, count, e.capacity);
-    encode(params, &curve, e.intensity_weight, count, e.intensity_capacity);
+    encode(linear, e.weight, count, e.capacity);
+    encode(linear, e.intensity_weight, count, e.intensity_capacity);
     scatter(&foveation->graph, first, count, &e, affinity);
   }
 }

@@ -88,35 +88,27 @@ static bool surely_inside(const borders *b, int32_t ring, int32_t sector, double
          b->ray_v[sector + 1] * du - b->ray_u[sector + 1] * dv > NEAR;
 }
 
-typedef struct arrays {
-  int32_t *cell_of_pixel, *node_of_grid, *first_run, *pixel_count, *first_pixel, *edges, *end_in_rows, *node_in_rows,
-      *listed_in_rows;
-  int16_t *pixel_u, *pixel_v;
-  vista_run *runs;
-  float *center_u, *center_v, *size_px;
-} arrays;
-
 /* Numbers the cells that hold a pixel or have their centre inside the image. */
-static void number_nodes(vista_foveation *f, const grid *g, arrays *a) {
+static void number_nodes(const grid *g, vista_foveation *f) {
   const int32_t grid_count = g->ring_count * g->sector_count;
   borders b;
   find_borders(g, &b);
   int32_t cell = -1, ring = -1, sector = 0;
   for (int32_t v = 0; v < g->height_px; ++v) {
-    int32_t *const row = a->cell_of_pixel + (ptrdiff_t)v * g->width_px;
+    int32_t *const row = f->cell_of_pixel + (ptrdiff_t)v * g->width_px;
     for (int32_t u = 0; u < g->width_px; ++u) {
       if (!surely_inside(&b, ring, sector, u - g->center_u_px, v - g->center_v_px)) {
         cell = grid_cell(g, u, v);
         ring = cell < 0 ? -1 : cell / g->sector_count;
         sector = cell < 0 ? 0 : cell % g->sector_count;
-        if (cell >= 0) a->node_of_grid[cell] = 1;
+        if (cell >= 0) f->node_of_grid[cell] = 1;
       }
       row[u] = cell;
     }
   }
-  a->center_u[0] = (float)g->center_u_px;
-  a->center_v[0] = (float)g->center_v_px;
-  a->size_px[0] = (float)(2.0 * g->rho_0_px);
+  f->center_u[0] = (float)g->center_u_px;
+  f->center_v[0] = (float)g->center_v_px;
+  f->size_px[0] = (float)(2.0 * g->rho_0_px);
   f->node_count = 1;
   f->point_count = 0;
   const double step = two_pi / g->sector_count;
@@ -124,24 +116,24 @@ static void number_nodes(vista_foveation *f, const grid *g, arrays *a) {
     const double rho = ring_radius_px(g, cell / g->sector_count + 0.5);
     const double theta = (cell % g->sector_count + 0.5) * step;
     const double u = g->center_u_px + rho * cos(theta), v = g->center_v_px + rho * sin(theta);
-    const bool exists = a->node_of_grid[cell] == 1 || inside(g->width_px, g->height_px, u, v);
-    a->node_of_grid[cell] = exists ? f->node_count : -1;
+    const bool exists = f->node_of_grid[cell] == 1 || inside(g->width_px, g->height_px, u, v);
+    f->node_of_grid[cell] = exists ? f->node_count : -1;
     if (!exists) continue;
-    a->center_u[f->node_count] = (float)u;
-    a->center_v[f->node_count] = (float)v;
-    a->size_px[f->node_count] = (float)(rho * step);
+    f->center_u[f->node_count] = (float)u;
+    f->center_v[f->node_count] = (float)v;
+    f->size_px[f->node_count] = (float)(rho * step);
     if (rho * step < POINT_SIZE_PX) f->point_count = f->node_count;
     f->node_count++;
   }
 }
 
 /* False: there are more than fit, which the geometry rules out. */
-static bool sort_runs(vista_foveation *f, const grid *g, arrays *a) {
+static bool sort_runs(const grid *g, vista_foveation *f) {
   for (int pass = 0; pass < 2; ++pass) { /* counting sort by node: count, then place */
     for (int32_t v = 0; v < g->height_px; ++v) {
       for (int32_t u = 0; u < g->width_px;) {
-        int32_t *const row = a->cell_of_pixel + (size_t)v * (size_t)g->width_px;
-        const int32_t node = pass == 0 ? (row[u] < 0 ? 0 : a->node_of_grid[row[u]]) : row[u];
+        int32_t *const row = f->cell_of_pixel + (size_t)v * (size_t)g->width_px;
+        const int32_t node = pass == 0 ? (row[u] < 0 ? 0 : f->node_of_grid[row[u]]) : row[u];
         int32_t end = u;
         const int32_t same = row[u];
         while (end < g->width_px && row[end] == same) {
@@ -149,53 +141,53 @@ static bool sort_runs(vista_foveation *f, const grid *g, arrays *a) {
           end++;
         }
         if (pass == 0) {
-          a->first_run[node + 1]++;
-          a->pixel_count[node] += end - u;
+          f->first_run[node + 1]++;
+          f->pixel_count[node] += end - u;
         } else {
-          a->runs[a->first_run[node]++] = (vista_run){u, v, end - u};
+          f->runs[f->first_run[node]++] = (vista_run){u, v, end - u};
         }
         u = end;
       }
     }
     if (pass == 0)
-      for (int32_t i = 0; i < f->node_count; ++i) a->first_run[i + 1] += a->first_run[i];
-    if (pass == 0 && a->first_run[f->node_count] > max_runs(g)) return false;
+      for (int32_t i = 0; i < f->node_count; ++i) f->first_run[i + 1] += f->first_run[i];
+    if (pass == 0 && f->first_run[f->node_count] > max_runs(g)) return false;
   }
-  for (int32_t i = f->node_count; i > 0; --i) a->first_run[i] = a->first_run[i - 1];
-  a->first_run[0] = 0;
+  for (int32_t i = f->node_count; i > 0; --i) f->first_run[i] = f->first_run[i - 1];
+  f->first_run[0] = 0;
   return true;
 }
 
-static void list_pixels(const vista_foveation *f, arrays *a) {
+static void list_pixels(vista_foveation *f) {
   int32_t pixel = 0;
   for (int32_t node = 0; node < f->node_count; ++node) {
-    a->first_pixel[node] = pixel;
-    for (int32_t r = a->first_run[node]; r < a->first_run[node + 1]; ++r) {
-      for (int32_t i = 0; i < a->runs[r].length_px; ++i, ++pixel) {
-        a->pixel_u[pixel] = (int16_t)(a->runs[r].u_px + i);
-        a->pixel_v[pixel] = (int16_t)a->runs[r].v_px;
+    f->first_pixel[node] = pixel;
+    for (int32_t r = f->first_run[node]; r < f->first_run[node + 1]; ++r) {
+      for (int32_t i = 0; i < f->runs[r].length_px; ++i, ++pixel) {
+        f->pixel_u[pixel] = (int16_t)(f->runs[r].u_px + i);
+        f->pixel_v[pixel] = (int16_t)f->runs[r].v_px;
       }
     }
   }
-  a->first_pixel[f->node_count] = pixel;
+  f->first_pixel[f->node_count] = pixel;
 }
 
 /* The runs of a cell come in the order of their rows, so the next one of a cell is the next of its list. */
-static void list_rows(const vista_foveation *f, arrays *a) {
+static void list_rows(vista_foveation *f) {
   int32_t run = 0, first_u = 0;
   for (int32_t v = 0; v < f->height_px; ++v, first_u = 0) {
-    const int32_t *const row = a->cell_of_pixel + (ptrdiff_t)v * f->width_px;
+    const int32_t *const row = f->cell_of_pixel + (ptrdiff_t)v * f->width_px;
     for (int32_t u = 0; u < f->width_px; ++u) {
       if (u + 1 < f->width_px && row[u + 1] == row[u]) continue;
-      a->end_in_rows[run] = v * f->width_px + u + 1;
-      a->listed_in_rows[run] = a->first_pixel[row[u]];
-      a->first_pixel[row[u]] += u + 1 - first_u;
-      a->node_in_rows[run++] = row[u];
+      f->end_in_rows[run] = v * f->width_px + u + 1;
+      f->listed_in_rows[run] = f->first_pixel[row[u]];
+      f->first_pixel[row[u]] += u + 1 - first_u;
+      f->node_in_rows[run++] = row[u];
       first_u = u + 1;
     }
   }
-  for (int32_t node = f->node_count; node > 0; --node) a->first_pixel[node] = a->first_pixel[node - 1];
-  a->first_pixel[0] = 0;
+  for (int32_t node = f->node_count; node > 0; --node) f->first_pixel[node] = f->first_pixel[node - 1];
+  f->first_pixel[0] = 0;
 }
 
 static int32_t list_edges(const grid *g, const int32_t *node_of_grid, int32_t *edges) {
@@ -238,24 +230,6 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
   const size_t pixels = (size_t)width_px * (size_t)height_px;
   const int32_t max_nodes = g.ring_count * g.sector_count + 1;
   const int32_t max_edges = 2 * max_nodes;
-  arrays a = {
-      .cell_of_pixel = vista_arena_take(arena, pixels, sizeof(int32_t)),
-      .node_of_grid = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
-      .first_run = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
-      .pixel_count = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
-      .first_pixel = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
-      .pixel_u = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
-      .pixel_v = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
-      .end_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
-      .node_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
-      .listed_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
-      .edges = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(int32_t)),
-      .runs = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(vista_run)),
-      .center_u = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
-      .center_v = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
-      .size_px = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
-  };
-  float *const distance = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(float));
   *foveation = (vista_foveation){
       .width_px = width_px,
       .height_px = height_px,
@@ -266,37 +240,39 @@ vista_status vista_foveation_layout(vista_foveation *foveation, vista_arena *are
       .center_u_px = center_u_px,
       .center_v_px = center_v_px,
       .rho_0_px = g.rho_0_px,
+      .cell_of_pixel = vista_arena_take(arena, pixels, sizeof(int32_t)),
+      .node_of_grid = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
+      .first_run = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
+      .pixel_count = vista_arena_take(arena, (size_t)max_nodes, sizeof(int32_t)),
+      .first_pixel = vista_arena_take(arena, (size_t)max_nodes + 1, sizeof(int32_t)),
+      .pixel_u = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
+      .pixel_v = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int16_t)),
+      .end_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
+      .node_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
+      .listed_in_rows = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(int32_t)),
+      .runs = vista_arena_take(arena, (size_t)max_runs(&g), sizeof(vista_run)),
+      .center_u = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
+      .center_v = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
+      .size_px = vista_arena_take(arena, (size_t)max_nodes, sizeof(float)),
+      .arc_distance_px = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(float)),
   };
+  int32_t *const edges = vista_arena_take(arena, 2 * (size_t)max_edges, sizeof(int32_t));
   if (arena->base == NULL) return vista_graph_build(&foveation->graph, arena, max_nodes, NULL, max_edges);
   if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
 
-  number_nodes(foveation, &g, &a);
-  if (!sort_runs(foveation, &g, &a)) return VISTA_ERROR_MEMORY;
-  list_pixels(foveation, &a);
-  list_rows(foveation, &a);
-  const int32_t edge_count = list_edges(&g, a.node_of_grid, a.edges);
-  foveation->cell_of_pixel = a.cell_of_pixel;
-  foveation->node_of_grid = a.node_of_grid;
-  foveation->first_run = a.first_run;
-  foveation->runs = a.runs;
-  foveation->pixel_count = a.pixel_count;
-  foveation->end_in_rows = a.end_in_rows;
-  foveation->node_in_rows = a.node_in_rows;
-  foveation->listed_in_rows = a.listed_in_rows;
-  foveation->first_pixel = a.first_pixel;
-  foveation->pixel_u = a.pixel_u;
-  foveation->pixel_v = a.pixel_v;
-  foveation->center_u = a.center_u;
-  foveation->center_v = a.center_v;
-  foveation->size_px = a.size_px;
-  foveation->arc_distance_px = distance;
-  const vista_status status = vista_graph_build(&foveation->graph, arena, foveation->node_count, a.edges, edge_count);
+  number_nodes(&g, foveation);
+  if (!sort_runs(&g, foveation)) return VISTA_ERROR_MEMORY;
+  list_pixels(foveation);
+  list_rows(foveation);
+  const int32_t edge_count = list_edges(&g, foveation->node_of_grid, edges);
+  const vista_status status = vista_graph_build(&foveation->graph, arena, foveation->node_count, edges, edge_count);
   if (status != VISTA_OK) return status;
   const vista_graph *const graph = &foveation->graph;
   for (int32_t i = 0; i < graph->node_count; ++i) {
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
-      distance[arc] = hypotf(a.center_u[i] - a.center_u[j], a.center_v[i] - a.center_v[j]);
+      foveation->arc_distance_px[arc] =
+          hypotf(foveation->center_u[i] - foveation->center_u[j], foveation->center_v[i] - foveation->center_v[j]);
     }
   }
   return VISTA_OK;

@@ -33,18 +33,18 @@ typedef struct vista_foveation {
   int32_t point_count;             /* nodes 1 .. point_count have cells of about a pixel: sampled, not averaged */
   double center_u_px, center_v_px; /* of the fovea */
   double rho_0_px;
-  const int32_t *cell_of_pixel;    /* height * width: node */
-  const int32_t *node_of_grid;     /* ring_count * sector_count: node or -1 */
-  const int32_t *first_run;        /* node_count + 1: runs of node i are runs[first_run[i] .. first_run[i+1]) */
-  const vista_run *runs;
+  int32_t *cell_of_pixel;    /* height * width: node */
+  int32_t *node_of_grid;     /* ring_count * sector_count: node or -1 */
+  int32_t *first_run;        /* node_count + 1: runs of node i are runs[first_run[i] .. first_run[i+1]) */
+  vista_run *runs;
   /* The runs row by row: where each ends in cell_of_pixel, its node, where its pixels begin when listed (below). */
-  const int32_t *end_in_rows, *node_in_rows, *listed_in_rows;
-  const int32_t *pixel_count; /* node_count: pixels owned; may be 0 for point cells */
-  const int32_t *first_pixel; /* node_count + 1: where the pixels of node i begin when they are listed run by run */
-  const int16_t *pixel_u, *pixel_v; /* of the pixels listed so, and VISTA_WORD_BLOCK more */
-  const float *center_u, *center_v; /* node_count: centre of the cell, px */
-  const float *size_px; /* node_count: width of the cell */
-  const float *arc_distance_px; /* graph.arc_count: between the centres of the two cells */
+  int32_t *end_in_rows, *node_in_rows, *listed_in_rows;
+  int32_t *pixel_count; /* node_count: pixels owned; may be 0 for point cells */
+  int32_t *first_pixel; /* node_count + 1: where the pixels of node i begin when they are listed run by run */
+  int16_t *pixel_u, *pixel_v; /* of the pixels listed so, and VISTA_WORD_BLOCK more */
+  float *center_u, *center_v; /* node_count: centre of the cell, px */
+  float *size_px; /* node_count: width of the cell */
+  float *arc_distance_px; /* graph.arc_count: between the centres of the two cells */
   vista_graph graph;
 } vista_foveation;
 

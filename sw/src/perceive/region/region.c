@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "common/depth.h"
+#include "common/grouping.h"
 #include "common/word_blocks.h"
 #include "perceive/region/region_boundary.h"
 #include "perceive/region/region_evidence.h"
@@ -34,10 +35,8 @@ vista_status vista_regions_layout(vista_regions *regions, vista_arena *arena, co
   regions->items = vista_arena_take(arena, nodes, sizeof(vista_region));
   regions->first_member = vista_arena_take(arena, nodes + 1, sizeof(int32_t));
   regions->members = vista_arena_take(arena, nodes, sizeof(int32_t));
-  regions->order = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->queue = vista_arena_take(arena, nodes, sizeof(int32_t));
   regions->boundary = vista_arena_take(arena, nodes, sizeof(uint8_t));
-  regions->own = vista_arena_take(arena, nodes, sizeof(uint8_t));
   regions->depth_px = vista_arena_take(arena, nodes, sizeof(float));
   for (int32_t k = 0; k < vista_team_workers(regions->team); ++k) {
     regions->pixels[k] = vista_arena_take(
@@ -72,19 +71,6 @@ static void mark_boundary(const vista_foveation *foveation, const int32_t *label
       queue[count++] = j;
     }
   }
-}
-
-static void group_members(const vista_foveation *foveation, const int32_t *label, vista_regions *regions) {
-  const vista_graph *const graph = &foveation->graph;
-  int32_t *const first = regions->first_member;
-  for (int32_t k = 0; k <= regions->count; ++k) first[k] = 0;
-  for (int32_t i = 0; i < graph->node_count; ++i)
-    if (label[i] >= 0) first[label[i] + 1]++;
-  for (int32_t k = 0; k < regions->count; ++k) first[k + 1] += first[k];
-  for (int32_t i = 0; i < graph->node_count; ++i)
-    if (label[i] >= 0) regions->members[first[label[i]]++] = i;
-  for (int32_t k = regions->count; k > 0; --k) first[k] = first[k - 1];
-  first[0] = 0;
 }
 
 /* Matching widens every thing by boundary_px at each side: a mast below a panel weighs several times what it has. Of
@@ -178,31 +164,14 @@ static void prepare_part(void *context, int32_t part, int32_t worker) {
   if (part == 0)
     mark_boundary(j->frame->foveation, j->partition->region_of_cell, VISTA_BOUNDARY_PX, j->regions);
   else
-    group_members(j->frame->foveation, j->partition->region_of_cell, j->regions);
-}
-
-#define SIZES 32 /* powers of two */
-
-static int32_t size_of(const vista_regions *regions, int32_t k) {
-  const int32_t count = regions->first_member[k + 1] - regions->first_member[k];
-  int32_t size = 0;
-  while (count >> size > 1) ++size;
-  return size;
-}
-
-/* Orders the regions by falling size, so that no thread begins a large one when there is nothing left for the other. */
-static void order_by_size(vista_regions *regions) {
-  int32_t places[SIZES + 1] = {0};
-  for (int32_t k = 0; k < regions->count; ++k) places[SIZES - size_of(regions, k)]++;
-  for (int32_t size = 0; size < SIZES; ++size) places[size + 1] += places[size];
-  for (int32_t k = regions->count - 1; k >= 0; --k) regions->order[--places[SIZES - size_of(regions, k)]] = k;
+    vista_group(j->partition->region_of_cell, NULL, j->frame->foveation->node_count, j->regions->count,
+                j->regions->first_member, j->regions->members);
 }
 
 static void judge_part(void *context, int32_t part, int32_t worker) {
   const job *const j = context;
   vista_regions *const regions = j->regions;
-  const int32_t k = regions->order[part];
-  const int32_t first = regions->first_member[k], count = regions->first_member[k + 1] - first;
+  const int32_t k = part, first = regions->first_member[k], count = regions->first_member[k + 1] - first;
   vista_region_view w = {.frame = j->frame,
                          .foveation = j->frame->foveation,
                          .params = &j->frame->params->region,
@@ -213,7 +182,6 @@ static void judge_part(void *context, int32_t part, int32_t worker) {
                          .boundary = regions->boundary,
                          .mixed = j->partition->drawn->border,
                          .bins = regions->bins[worker],
-                         .own = regions->own + first,
                          .pixels = regions->pixels[worker],
                          .members = regions->members + first,
                          .member_count = count};
@@ -236,7 +204,6 @@ void vista_regions_compute(const vista_frame_view *frame, const vista_cells *cel
   regions->accepted_count = 0;
   job j = {frame, cells, surfaces, partition, regions};
   vista_team_share(regions->team, prepare_part, &j, 2);
-  order_by_size(regions);
   vista_team_share(regions->team, judge_part, &j, regions->count);
   for (int32_t k = 0; k < regions->count; ++k)
     regions->accepted_count += regions->items[k].verdict == VISTA_REGION_ACCEPTED;

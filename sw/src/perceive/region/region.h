@@ -91,11 +91,9 @@ typedef struct vista_regions {
   int32_t accepted_count;
   int32_t *first_member; /* nodes of region k are members[first_member[k] .. first_member[k + 1]) */
   int32_t *members;
-  int32_t *order;    /* scratch: the regions, large ones first */
   int32_t *queue;    /* scratch, node_count: breadth first from the boundary */
   uint8_t *boundary; /* scratch, node_count */
   float *depth_px;   /* scratch, node_count: distance from the boundary, where that is within reach */
-  uint8_t *own;      /* scratch, a member: which of its pixels are its region's own */
   uint32_t *bins[VISTA_MOST_WORKERS];  /* scratch: two histograms of engine words */
   int16_t *pixels[VISTA_MOST_WORKERS]; /* scratch: a number for each pixel of one region */
   vista_team *team; /* null: the calling thread alone; set before the layout */

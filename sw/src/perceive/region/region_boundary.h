@@ -36,7 +36,6 @@ typedef struct vista_region_view {
   const uint8_t *boundary; /* a node */
   const uint8_t *mixed;    /* a node: some of its pixels may be another region's */
   uint32_t *bins;          /* 2 VISTA_ALL_WORDS; those of valid words are zero between calls */
-  uint8_t *own;            /* scratch, a member: which of its pixels are the region's own */
   int16_t *pixels;         /* scratch: as many as the image has, and VISTA_WORD_BLOCK more */
   const int32_t *members;
   int32_t member_count;

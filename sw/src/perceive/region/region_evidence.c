@@ -72,50 +72,14 @@ static inline void count_block(const heights *h, const int16_t *restrict words, 
   }
 }
 
-/* What all words of a cell have in common. */
-typedef enum kind { KIND_MIXED, KIND_BELOW, KIND_STANDING, KIND_TOP } kind; /* words of 0 are none: mixed */
-
-/* Judges a whole cell by the range of its words and that of the ground over it, with a margin for rounding, so that
- * word by word nothing else would come out. A cell of a pixel's size is counted faster than it is judged. */
-static inline kind kind_of_cell(const vista_region_view *w, const heights *h, int32_t node) {
-  const vista_foveation *const f = w->foveation;
-  const vista_word_range range = w->cells->range[node];
-  if (node <= f->point_count || range.least == 0 || !(h->low > 0.0f) || !(h->top > 0.0f)) return KIND_MIXED;
-  const float slope_u = h->slope_u_words, slope_v = h->slope_v_words;
-  const float across = fabsf(slope_u) + fabsf(slope_v), around_px = f->size_px[node] + 2.0f;
-  const float margin = 0.01f + 1e-5f * (fabsf(h->offset_words) + across * (float)(f->width_px + f->height_px));
-  const float off = across * around_px + margin;
-  const float at = h->offset_words + slope_u * f->center_u[node] + slope_v * f->center_v[node];
-  const float least = (float)range.least, most = (float)range.most;
-  if (least * h->top >= at + off) return KIND_TOP;
-  if (most * h->low < at - off) return KIND_BELOW;
-  return least * h->low >= at + off && most * h->top < at - off ? KIND_STANDING : KIND_MIXED;
-}
-
-/* Stretch by stretch of neighbouring cells. */
+/* Stretch by stretch of neighbouring cells, whose words lie one after the other. */
 VISTA_WIDE_VECTORS static word_counts count_words(const vista_region_view *w, const heights *h) {
   const int32_t *const first_pixel = w->foveation->first_pixel, *const members = w->members;
   word_counts sum = {0};
   lane_counts counts = {0};
-  kind all, of_next = kind_of_cell(w, h, members[0]);
   for (int32_t m = 0, next; m < w->member_count; m = next) {
-    const int32_t first = first_pixel[members[m]];
-    all = of_next;
-    next = m + 1;
-    of_next = next < w->member_count ? kind_of_cell(w, h, members[next]) : KIND_MIXED;
-    if (all != KIND_MIXED) {
-      const int32_t valid = w->cells->range[members[m]].valid;
-      sum.pixels += first_pixel[members[m] + 1] - first;
-      sum.valid += valid;
-      sum.standing += all >= KIND_STANDING ? valid : 0;
-      sum.top += all == KIND_TOP ? valid : 0;
-      continue;
-    }
-    while (next < w->member_count && members[next] == members[next - 1] + 1 && of_next == KIND_MIXED) {
-      ++next;
-      of_next = next < w->member_count ? kind_of_cell(w, h, members[next]) : KIND_MIXED;
-    }
-    const int32_t end = first_pixel[members[next - 1] + 1];
+    for (next = m + 1; next < w->member_count && members[next] == members[next - 1] + 1;) ++next;
+    const int32_t first = first_pixel[members[m]], end = first_pixel[members[next - 1] + 1];
     sum.pixels += end - first;
     for (int32_t p = first; p < end; p += VISTA_WORD_BLOCK) {
       count_block(h, w->cells->words + p, w->foveation->pixel_u + p, w->foveation->pixel_v + p, end - p, counts.lanes);

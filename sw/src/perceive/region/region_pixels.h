@@ -6,10 +6,6 @@
 #include "perceive/region/region.h"
 #include "perceive/region/region_boundary.h"
 
-/* Which of a cell's pixels are its region's own (vista_region_view.own): VISTA_SOME_PIXELS are those that view->pixels
- * marks. */
-enum { VISTA_NO_PIXEL, VISTA_ALL_PIXELS, VISTA_SOME_PIXELS };
-
 /* Finds, of the pixels that the image gives to the region, those on its surface; of cells without a disparity all
  * that the image gives. view->pixels marks them. */
 void vista_region_find_pixels(const vista_region_view *view, const vista_plane *surface, vista_region *region);
