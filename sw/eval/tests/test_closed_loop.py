@@ -22,6 +22,7 @@ from vista_eval.closed_loop.rivals import RIVALS
 from vista_eval.closed_loop.setpoint import Setpoint
 from vista_eval.closed_loop.suite import by_speed
 from vista_eval.closed_loop.vehicle import STEP_S, Multirotor
+from vista_eval.closed_loop.vehicles import VEHICLES
 from vista_eval.closed_loop.world import World
 from vista_eval.render.scene import Cylinder, Scene, Sphere, thing
 from vista_eval.worlds.things import mesh
@@ -221,7 +222,9 @@ def flown_at(speed_m_s: float, family: str, end: str, way_m: float, stops: int =
     flight = Flight(small_world(), QUICK, end=end, way_m=way_m)
     vehicle = Multirotor(np.zeros(3), 0.0)
     decision = Straight().decide(
-        Seen(0.0, 0, vehicle.state, Leg(np.zeros(3), np.ones(3), 1.0, False), None, 0.0)
+        Seen(
+            0.0, 0, vehicle.state, Leg(np.zeros(3), np.ones(3), 1.0, False), None, 0.0, VEHICLES["multirotor"]
+        )
     )
     moment = Moment(0.0, vehicle.state, NOTHING, None, decision, decision.trajectory.at(0.0), None)
     flight.moments = [moment, moment]

@@ -21,7 +21,7 @@ from vista_eval.render.motion import moves, solids_at
 from vista_eval.render.scene import Solid
 
 SIDE_PX = 480
-VIEW_M = 56.0  # that the map shows, from one side to the other
+VIEW_M, WIDE_M = 56.0, 160.0  # that the map shows, from one side to the other; of a fixed wing
 BAND_M = 1.5  # above and below the flight, of what the map shows
 BAR_PX = 46
 WHITE, INK, SOFT = (245, 245, 245), (40, 40, 40), (150, 150, 150)
@@ -43,14 +43,15 @@ class Map:
 
     def __init__(self, flight: Flight) -> None:
         self.world = flight.world
+        self.view_m = WIDE_M if flight.conditions.vehicle == "fixed-wing" else VIEW_M
         self.track_m = np.array([moment.state.position_m for moment in flight.moments])
         things = [thing for thing in self.world.scene.things if thing.standing]
         self.heights_m = self.track_m[:, 2].min() - BAND_M, self.track_m[:, 2].max() + BAND_M
         self.moving = [thing for thing in things if moves(thing)]
         corners = joined(solid for thing in things if not moves(thing) for solid in thing.solids)
-        low_m, high_m = self.track_m.min(axis=0) - VIEW_M / 2, self.track_m.max(axis=0) + VIEW_M / 2
+        low_m, high_m = self.track_m.min(axis=0) - self.view_m / 2, self.track_m.max(axis=0) + self.view_m / 2
         self.middle_m = (low_m + high_m) / 2
-        width, height = np.ceil((high_m - low_m)[:2] * SIDE_PX / VIEW_M).astype(int)
+        width, height = np.ceil((high_m - low_m)[:2] * SIDE_PX / self.view_m).astype(int)
         self.still = self.outlines(corners, self.middle_m, (int(width), int(height)))
 
     def draw(self, moment: Moment, until: int) -> Picture:
@@ -107,7 +108,7 @@ class Map:
             if free_m <= 0:
                 continue
             edges = [ahead - math.radians(Directions.FIRST_DEG + k + share) for share in (0.0, 1.0)]
-            reach = min(float(free_m), 2 * VIEW_M)
+            reach = min(float(free_m), 2 * self.view_m)
             corners = [pose.translation_m] + [
                 pose.translation_m + reach * np.array([math.cos(a), math.sin(a), 0.0]) for a in edges
             ]
@@ -125,18 +126,18 @@ class Map:
         """An image of the triangles that reach into the heights of the flight."""
         low, high = corners[..., 2].min(axis=1), corners[..., 2].max(axis=1)
         chosen = corners[(low < self.heights_m[1]) & (high > self.heights_m[0])][..., :2] - center[:2]
-        points = np.rint(np.array(size_px) / 2 + SIDE_PX / VIEW_M * chosen * [1, -1]).clip(-20000, 20000)
+        points = np.rint(np.array(size_px) / 2 + SIDE_PX / self.view_m * chosen * [1, -1]).clip(-20000, 20000)
         drawn = np.zeros(size_px[::-1], np.uint8)
         cv2.polylines(drawn, list(points.astype(np.int32)), True, 255, 1)
         return drawn
 
     def pixel(self, point: np.ndarray, center: np.ndarray) -> tuple[int, int]:
         right, up = point[0] - center[0], point[1] - center[1]
-        scale = SIDE_PX / VIEW_M
+        scale = SIDE_PX / self.view_m
         return round(SIDE_PX / 2 + scale * float(right)), round(SIDE_PX / 2 - scale * float(up))
 
     def pixels(self, length_m: float) -> int:
-        return round(min(length_m, VIEW_M) * SIDE_PX / VIEW_M)
+        return round(min(length_m, self.view_m) * SIDE_PX / self.view_m)
 
 
 def joined(solids: Iterable[Solid]) -> np.ndarray:

@@ -17,7 +17,8 @@ from vista_eval.closed_loop.collision import Geometry, Near
 from vista_eval.closed_loop.perception import Perception, Words
 from vista_eval.closed_loop.pilots import Decision, Leg, Pilot, Seen
 from vista_eval.closed_loop.setpoint import Setpoint
-from vista_eval.closed_loop.vehicle import STEP_S, Multirotor, State, wrapped
+from vista_eval.closed_loop.vehicle import STEP_S, State, wrapped
+from vista_eval.closed_loop.vehicles import VEHICLES, Kind
 from vista_eval.closed_loop.world import World
 from vista_eval.pose_noise import PoseError
 from vista_eval.render.course import START_NS
@@ -26,7 +27,7 @@ from vista_eval.render.rig import LEFT
 from vista_eval.render.sensor import Sensor
 from vista_eval.worlds.draws import draws
 
-REACHED_M, PASSED_M = 2.0, 3.0  # of the goal, of a waypoint
+SET_OFF_M = 2.0
 HELD_S = 8.0  # at rest for so long after it set off: it will not go on
 REST_M_S = 0.3
 # A flight takes at most so many times what its route takes at its speed, and so much more.
@@ -49,6 +50,7 @@ class Conditions:
     drop_outs: float = 0.0  # probability of a frame that two of them are lost
     pose_noise: bool = False  # errors like those of a navigation filter
     glare: float = 0.0  # radiance of the sun's veil in the lens
+    vehicle: str = "multirotor"
 
 
 @dataclass(frozen=True)
@@ -104,9 +106,10 @@ def fly(
     camera = StereoCamera(world.scene, rig, sensor_of(conditions), world.seed) if sees else None
     perception = Perception(rig, values, words, forest)
     pilot, geometry = pilot_of(perception), Geometry(world.scene)
-    legs = [Leg(a, b, world.speed_m_s, k + 1 < len(world.legs_m)) for k, (a, b) in enumerate(world.legs_m)]
+    kind = VEHICLES[conditions.vehicle]
+    legs = legs_of(world, kind)
     heading = legs[0].to_m - legs[0].from_m
-    vehicle = Multirotor(legs[0].from_m, math.atan2(heading[1], heading[0]))
+    vehicle = kind.make(legs[0].from_m, math.atan2(heading[1], heading[0]), world.speed_m_s)
     faults, drift = (
         Faults(world.seed, conditions.drop_outs),
         PoseError(world.seed) if conditions.pose_noise else None,
@@ -132,7 +135,7 @@ def fly(
                 left = frame.pair[LEFT]
             told = state if drift is None else state._replace(position_m=state.position_m + drift.position_m)
             t_s = step * STEP_S
-            seen = Seen(t_s, time_ns(t_s), told, legs[leg], record, conditions.latency_s)
+            seen = Seen(t_s, time_ns(t_s), told, legs[leg], record, conditions.latency_s, kind)
             decision, decided_step = pilot.decide(seen), step
             flight.moments.append(
                 Moment(t_s, state, near, record, decision, decision.trajectory.at(0.0), left)
@@ -150,10 +153,10 @@ def fly(
         step += 1
         flight.time_s = step * STEP_S
         at_rest = np.linalg.norm(now.velocity_m_s) < REST_M_S
-        rested_s = rested_s + STEP_S if at_rest and flight.way_m > REACHED_M else 0.0
+        rested_s = rested_s + STEP_S if at_rest and flight.way_m > SET_OFF_M else 0.0
         if met.distance_m < world.radius_m or now.position_m[2] < world.radius_m:
             flight.end, flight.hit = "collision", met.name if met.distance_m < world.radius_m else "ground"
-        elif arrived(now.position_m, legs[leg]):
+        elif arrived(now.position_m, legs[leg], kind):
             leg += 1
             if leg == len(legs):
                 flight.end = "reached"
@@ -188,11 +191,18 @@ def time_ns(t_s: float) -> int:
     return START_NS + round(t_s * 1e9)
 
 
-def arrived(position_m: np.ndarray, leg: Leg) -> bool:
+def legs_of(world: World, kind: Kind) -> list[Leg]:
+    """Ends that are passed: waypoints, and the goal too of a vehicle that cannot stop there."""
+    ends = world.legs_m
+    return [Leg(a, b, world.speed_m_s, k < len(ends) or not kind.hovers) for k, (a, b) in enumerate(ends, 1)]
+
+
+def arrived(position_m: np.ndarray, leg: Leg, kind: Kind) -> bool:
     """Near the end of the leg; or, if it is passed, beyond it and not far off."""
     off_m = float(np.linalg.norm(position_m - leg.to_m))
     beyond = float((position_m - leg.to_m) @ (leg.to_m - leg.from_m)) > 0
-    return off_m < (PASSED_M if leg.passed else REACHED_M) or (leg.passed and beyond and off_m < 3 * PASSED_M)
+    near_m = kind.passed_m if leg.passed else kind.reached_m
+    return off_m < near_m or (leg.passed and beyond and off_m < 3 * near_m)
 
 
 class Faults:

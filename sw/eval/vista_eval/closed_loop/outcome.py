@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vista_eval.closed_loop.loop import REST_M_S, Flight, Moment, heading_off_rad
-from vista_eval.closed_loop.pilots import BRAKE_LAG_S, BRAKING_M_S2
+from vista_eval.closed_loop.vehicles import VEHICLES
 
 NEAR_MISS_M = 1.5  # what the competition of SBFT and ICST calls a soft failure
 BACK_S = 4.0  # before a collision in which its cause is looked for
@@ -17,7 +17,7 @@ ALONG_M = 2.0  # a warning is of what was hit if it is so near to it
 BLIND = "nothing was looked at"
 UNSEEN = "not in view"
 UNWARNED = "in view, never warned of"
-LATE = "warned of too late to stop"
+LATE = "warned of too late"
 FLOWN_ON = "warned of in time"
 
 
@@ -103,8 +103,13 @@ def cause_of(flight: Flight) -> str:
         return UNWARNED
     first = warned[0]
     speed = float(np.linalg.norm(first.state.velocity_m_s))
-    needed_m = speed * (flight.conditions.latency_s + BRAKE_LAG_S) + speed**2 / (2 * BRAKING_M_S2)
-    return LATE if np.linalg.norm(place - first.state.position_m) < needed_m else FLOWN_ON
+    return LATE if np.linalg.norm(place - first.state.position_m) < needed_m(flight, speed) else FLOWN_ON
+
+
+def needed_m(flight: Flight, speed_m_s: float) -> float:
+    """The way from the exposure of a frame that shows something to a place where it is avoided."""
+    late_m = speed_m_s * flight.conditions.latency_s
+    return late_m + VEHICLES[flight.conditions.vehicle].avoiding_m(speed_m_s)
 
 
 def in_view(moment: Moment, place_m: np.ndarray, half_view_rad: float) -> bool:
@@ -123,14 +128,13 @@ def warns_of(moment: Moment, place_m: np.ndarray) -> bool:
 
 
 def first_wrong(flight: Flight) -> Moment | None:
-    """The last decision that led into a collision while there was still room to stop: where a look at the
+    """The last decision that led into a collision while there was still room to avoid it: where a look at the
     flight should begin. None: it did not crash."""
     if flight.end != "collision":
         return None
     place = flight.moments[-1].state.position_m
     for moment in reversed(flight.moments[:-1]):
         speed = float(np.linalg.norm(moment.state.velocity_m_s))
-        needed_m = speed * (flight.conditions.latency_s + BRAKE_LAG_S) + speed**2 / (2 * BRAKING_M_S2)
-        if np.linalg.norm(place - moment.state.position_m) > needed_m:
+        if np.linalg.norm(place - moment.state.position_m) > needed_m(flight, speed):
             return moment
     return flight.moments[0]

@@ -16,23 +16,20 @@ from vista.history import FrameRecord
 from vista.rectify import Rectifier
 
 from vista_eval.closed_loop.camera import calibration_of
+from vista_eval.closed_loop.vehicles import Kind
 from vista_eval.closed_loop.world import World
 from vista_eval.render.rig import Rig
 from vista_eval.rivals import at_one_level, make_sgbm, true_words, with_forest
 
 Words = Literal["engine", "perfect", "SGBM"]
-ACCELERATION_M_S2 = 3.0  # that the planner may ask for: more turns the cameras to the ground and to the sky
 UP_WORLD = np.array([0.0, 0.0, 1.0])
 MakeWords = Callable[[np.ndarray, np.ndarray, np.ndarray | None], list[np.ndarray]]  # of images and truth
 
 
-def fitted_to(world: World, values: parameters.Values) -> parameters.Values:
-    """The parameters with the room that the vehicle needs in this world."""
+def fitted_to(world: World, kind: Kind, values: parameters.Values) -> parameters.Values:
+    """The parameters with the room that the vehicle needs in this world, and with its limits."""
     room = values["obstacle_map"] | {"collision_radius_m": world.room_m}
-    return values | {
-        "obstacle_map": room,
-        "plan": values["plan"] | {"acceleration_max_m_s2": ACCELERATION_M_S2},
-    }
+    return values | {"obstacle_map": room, "plan": values["plan"] | kind.plan}
 
 
 class Perception:

@@ -11,14 +11,15 @@ from vista.history import FrameRecord
 
 from vista_eval.closed_loop.setpoint import Setpoint, Steady, Trajectory
 from vista_eval.closed_loop.vehicle import State
+from vista_eval.closed_loop.vehicles import Kind
 
-LOOK_S = 1.0  # that every pilot hovers before he sets off, so that the detector has seen something
+# Before so long every pilot hovers or flies straight on, so that the detector has seen something.
+LOOK_S = 1.0
 AHEAD_M = 8.0  # of the point on the leg that is flown to
 GENTLY_M_S2 = (
     2.0  # to speed up, and to slow down before the goal: a hard start turns the cameras to the ground
 )
 GENTLY_S = 1 / 3  # of the controller
-BRAKING_M_S2, BRAKE_LAG_S = 4.0, 0.35  # a little less than the vehicle has, and how long it takes to tilt
 MARGIN_M = 2.0
 AT_REST_M_S = 0.3
 
@@ -39,6 +40,7 @@ class Seen(NamedTuple):
     leg: Leg
     record: FrameRecord | None  # of the newest frame; None: none was judged yet
     latency_s: float
+    kind: Kind
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,12 @@ def along_leg(state: State, leg: Leg) -> Setpoint:
     return Setpoint(velocity, math.atan2(way[1], way[0]))
 
 
-def hover(state: State, heading_rad: float) -> Steady:
-    return Steady(Setpoint(np.zeros(3), heading_rad, state.position_m))
+def look(seen: Seen) -> Decision:
+    """What is flown before anything is decided: it stands, or goes on if it cannot."""
+    told = along_leg(seen.state, seen.leg)
+    if seen.kind.hovers:
+        told = Setpoint(np.zeros(3), told.heading_rad, seen.state.position_m)
+    return Decision(Steady(told), "looks")
 
 
 class Straight:
@@ -86,7 +92,7 @@ class Straight:
     def decide(self, seen: Seen) -> Decision:
         told = along_leg(seen.state, seen.leg)
         if seen.t_s < LOOK_S:
-            return Decision(hover(seen.state, told.heading_rad), "looks")
+            return look(seen)
         return Decision(Steady(told), "proceeds")
 
 
@@ -101,7 +107,7 @@ class BrakeOnly:
     def decide(self, seen: Seen) -> Decision:
         told = along_leg(seen.state, seen.leg)
         if seen.t_s < LOOK_S or seen.record is None:
-            return Decision(hover(seen.state, told.heading_rad), "looks")
+            return look(seen)
         if not self._why:
             self._why = self.reason(seen, seen.record)
         if not self._why:
@@ -117,7 +123,7 @@ class BrakeOnly:
     def reason(seen: Seen, record: FrameRecord) -> str:
         """Why the vehicle has to stop now; empty: it has not."""
         speed = float(np.linalg.norm(seen.state.velocity_m_s))
-        stop_m = speed * (seen.latency_s + BRAKE_LAG_S) + speed**2 / (2 * BRAKING_M_S2)
+        stop_m = speed * seen.latency_s + seen.kind.avoiding_m(speed)
         # Both are measured from where the frame was taken.
         taken = record.world_from_camera
         since_m = 0.0 if taken is None else float(np.linalg.norm(seen.state.position_m - taken.translation_m))

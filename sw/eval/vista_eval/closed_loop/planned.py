@@ -10,7 +10,7 @@ from vista.plan import Decision as Plan
 from vista.plan import Goal, Option, Planner, State
 
 from vista_eval.closed_loop.perception import UP_WORLD, Perception
-from vista_eval.closed_loop.pilots import LOOK_S, Decision, Seen, along_leg, hover
+from vista_eval.closed_loop.pilots import LOOK_S, Decision, Seen, look
 from vista_eval.closed_loop.setpoint import Setpoint
 from vista_eval.pose_noise import POSITION_SIGMA_M
 
@@ -39,7 +39,7 @@ class WithPlanner:
     def decide(self, seen: Seen) -> Decision:
         leg, now = seen.leg, seen.state
         if seen.t_s < LOOK_S or seen.record is None:
-            return Decision(hover(now, along_leg(now, leg).heading_rad), "looks")
+            return look(seen)
         state = State.made(
             t_ns=seen.t_ns,
             position_m=now.position_m,

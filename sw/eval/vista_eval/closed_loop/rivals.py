@@ -10,6 +10,7 @@ from vista import parameters
 from vista_eval.closed_loop.loop import Conditions, Flight, fly
 from vista_eval.closed_loop.perception import Perception, Words, fitted_to
 from vista_eval.closed_loop.pilots import BrakeOnly, Pilot, Straight
+from vista_eval.closed_loop.vehicles import VEHICLES, fitted
 from vista_eval.closed_loop.world import World
 
 MakePilot = Callable[[Perception, parameters.Values, Conditions], Pilot]
@@ -37,16 +38,19 @@ class Rival:
     words: Words = "engine"
     forest: bool = False
     sees: bool = True
+    hovers: bool = False  # it is for vehicles that can stand
     late: bool = True  # by the latency of the chain; else it decides at the moment of the exposure
 
     def fly(self, world: World, values: parameters.Values, conditions: Conditions) -> Flight:
         if not self.late:
             conditions = replace(conditions, latency_s=0.0)
-        fitted = fitted_to(world, values)
+        kind = VEHICLES[conditions.vehicle]
+        world = fitted(world, kind)
+        own = fitted_to(world, kind, values)
         return fly(
             world,
-            lambda perception: self.pilot(perception, fitted, conditions),
-            fitted,
+            lambda perception: self.pilot(perception, own, conditions),
+            own,
             conditions,
             self.words,
             self.forest,
@@ -58,7 +62,7 @@ RIVALS: dict[str, Rival] = {
     rival.name: rival
     for rival in (
         Rival("none", "no avoidance", straight, sees=False),
-        Rival("brake", "brake only", brake_only),
+        Rival("brake", "brake only", brake_only, hovers=True),
         Rival("planner", "planner", planner),
         Rival("perfect", "planner, perfect words", planner, words="perfect"),
         Rival("sgbm", "planner, words of SGBM", planner, words="SGBM"),

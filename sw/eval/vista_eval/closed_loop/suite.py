@@ -185,8 +185,8 @@ def by_speed(outcomes: Sequence[Outcome]) -> Table:
     for speed in sorted({round(one.speed_m_s) for one in outcomes}):
         for rival in rivals_of(outcomes):
             chosen = [one for one in outcomes if (round(one.speed_m_s), one.rival) == (speed, rival)]
-            clear = [one for one in chosen if one.family == CLEAR]
-            blocked = [one for one in chosen if one.family != CLEAR]
+            clear = [one for one in chosen if one.family in CLEAR]
+            blocked = [one for one in chosen if one.family not in CLEAR]
             if not chosen:
                 continue
             rows.append(
@@ -249,10 +249,9 @@ def page(
 ) -> Page:
     worst = sorted(results, key=lambda flown: badness(flown.outcome))[:MOST_WORST]
     facts = (
-        f"{len(results)} flights at {conditions.rate_hz:g} frames/s, {conditions.latency_s:g} s from the "
-        f"exposure to the command, images {conditions.width_px} px wide over "
-        f"{conditions.view_deg:g} degrees with a noise of "
-        f"{conditions.noise_grey:g} grey levels."
+        f"{len(results)} flights ({conditions.vehicle}) at {conditions.rate_hz:g} frames/s, "
+        f"{conditions.latency_s:g} s from the exposure to the command, images {conditions.width_px} px wide "
+        f"over {conditions.view_deg:g} degrees with a noise of {conditions.noise_grey:g} grey levels."
     )
     sections = [Section(table.title, [table]) for table in shown]
     pictures = [worst_section(flown) for flown in worst if flown.still is not None]
@@ -269,8 +268,8 @@ def page(
 
 DEFINITIONS = """
 A flight crashes when the sphere around the vehicle touches anything. Its picture is of the last decision at
-which there was still room to stop; that of a flight that did not crash is of its nearest moment. Right: the
-view from above. Black: what stands at the height of the flight. Green: directions that the detector calls
+which there was still room to avoid it; that of a flight that did not crash is of its nearest moment. Right:
+the view from above. Black: what stands at the height of the flight. Green: directions that the detector calls
 free. Yellow and red circles: obstacles that it tracks, red those in the way. Blue: the way so far."""
 
 

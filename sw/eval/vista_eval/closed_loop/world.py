@@ -47,6 +47,7 @@ class Family:
     name: str
     title: str
     build: Callable[[int, int, float | None], World]  # of number, seed of the set, and speed if it is told
+    wide: bool = False  # a fixed wing can turn round in it
     fixed: int = 0  # the first worlds, which are named cases of the definition and do not depend on a seed
 
     def world(self, number: int, seed: int, speed_m_s: float | None = None) -> World:

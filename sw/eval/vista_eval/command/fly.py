@@ -1,11 +1,12 @@
 """Fly the detector and the planner in the loop, through worlds that others defined.
 
 What the cameras show decides what is flown, and that decides what they show next. Each flight is a multirotor
-with wind and motors that saturate, before rendered cameras; collisions are exact. DIR receives a folder for
-each flight with its record, fly.json and fly.html, which begins with the worst flights.
+with motors that saturate, or a fixed wing of JSBSim, in wind and before rendered cameras; collisions are
+exact. DIR receives a folder for each flight with its record, fly.json and fly.html, which begins with the
+worst flights.
 
-`--list` names the families of worlds and what flies them. It needs rotorpy, which is installed without its
-own dependencies (pip install --no-deps rotorpy==3.0.0), and scipy.
+`--list` names the families of worlds and what flies them. A multirotor needs rotorpy, which is installed
+without its own dependencies (pip install --no-deps rotorpy==3.0.0), and scipy; a fixed wing needs jsbsim.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from vista.errors import EXIT_OK, InputError
 
 from vista_eval.jobs import add_place, chosen_place
 
+VEHICLES = "multirotor", "fixed-wing"
 DEFAULT_RIVALS = ("none", "brake", "planner")
 LEAST_WIDTH_PX = 160
 VIEW_DEG = (20.0, 110.0)
@@ -28,7 +30,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the flights")
     parser.add_argument("--list", action="store_true", help="list families and rivals and stop")
     parser.add_argument(
-        "--family", nargs="+", default=[], metavar="NAME", help="fly only these families of worlds"
+        "--vehicle",
+        choices=VEHICLES,
+        default=VEHICLES[0],
+        help=f"what is flown (default {VEHICLES[0]})",
+    )
+    parser.add_argument(
+        "--family",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="fly only these families of worlds (default: those for the vehicle)",
     )
     parser.add_argument(
         "--count", type=positive, default=3, metavar="N", help="worlds of each family (default 3)"
@@ -42,9 +54,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rival",
         nargs="+",
-        default=list(DEFAULT_RIVALS),
+        default=[],
         metavar="NAME",
-        help=f"what flies them (default {' '.join(DEFAULT_RIVALS)})",
+        help=f"what flies them (default {' '.join(DEFAULT_RIVALS)}, of those that the vehicle can)",
     )
     parser.add_argument(
         "--speed",
@@ -63,10 +75,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--rate", type=float, default=10.0, metavar="HZ", help="frames a second (default 10)")
     parser.add_argument(
-        "--width", type=positive, default=320, metavar="PX", help="width of the images (default 320)"
+        "--width",
+        type=positive,
+        metavar="PX",
+        help="width of the images (default 320, before a fixed wing 640)",
     )
     parser.add_argument(
-        "--view", type=float, default=87.0, metavar="DEG", help="field of view from side to side (default 87)"
+        "--view",
+        type=float,
+        metavar="DEG",
+        help="field of view from side to side (default 87, before a fixed wing 70)",
     )
     parser.add_argument(
         "--noise",
@@ -94,15 +112,16 @@ def execute(arguments: argparse.Namespace) -> int:
         list_all()
         return EXIT_OK
     values = load_parameters(arguments.config, "golden")
+    complete(arguments)
     check(arguments)
     place = chosen_place(arguments)
     folder = place.known_to_all(arguments.folder)
     from vista_eval.closed_loop.loop import Conditions
     from vista_eval.closed_loop.suite import ClosedLoop, Key  # loads libvista, which `--help` need not
-    from vista_eval.closed_loop.vehicle import airframe
+    from vista_eval.closed_loop.vehicles import VEHICLES
     from vista_eval.score import score
 
-    airframe()
+    VEHICLES[arguments.vehicle].needs()
     conditions = Conditions(
         arguments.rate,
         arguments.latency,
@@ -111,11 +130,12 @@ def execute(arguments: argparse.Namespace) -> int:
         arguments.noise,
         arguments.drop_outs,
         arguments.pose_noise,
+        vehicle=arguments.vehicle,
     )
     numbers = range(arguments.first, arguments.first + arguments.count)
     keys = [
         Key(family, number, arguments.seed, speed, rival)
-        for family in families(arguments.family)
+        for family in families(arguments)
         for number in numbers
         for speed in arguments.speed or [None]
         for rival in arguments.rival
@@ -124,13 +144,26 @@ def execute(arguments: argparse.Namespace) -> int:
     return EXIT_OK
 
 
-def families(chosen: list[str]) -> list[str]:
-    from vista_eval.closed_loop.places.catalog import FAMILIES
+def complete(arguments: argparse.Namespace) -> None:
+    """Fills in what the vehicle decides."""
+    from vista_eval.closed_loop.rivals import RIVALS
+    from vista_eval.closed_loop.vehicles import VEHICLES
 
-    unknown = [name for name in chosen if name not in FAMILIES]
+    kind = VEHICLES[arguments.vehicle]
+    arguments.rival = arguments.rival or [n for n in DEFAULT_RIVALS if kind.hovers or not RIVALS[n].hovers]
+    arguments.width = arguments.width or kind.width_px
+    arguments.view = arguments.view or kind.view_deg
+
+
+def families(arguments: argparse.Namespace) -> list[str]:
+    from vista_eval.closed_loop.places.catalog import FAMILIES
+    from vista_eval.closed_loop.vehicles import VEHICLES
+
+    unknown = [name for name in arguments.family if name not in FAMILIES]
     if unknown:
         raise InputError("--family", f"no family {unknown[0]}; `vista fly DIR --list` names them")
-    return chosen or list(FAMILIES)
+    wide = not VEHICLES[arguments.vehicle].hovers
+    return arguments.family or [name for name, family in FAMILIES.items() if family.wide == wide]
 
 
 def check(arguments: argparse.Namespace) -> None:
@@ -140,7 +173,9 @@ def check(arguments: argparse.Namespace) -> None:
     unknown = [name for name in arguments.rival if name not in RIVALS]
     if unknown:
         raise InputError("--rival", f"no rival {unknown[0]}; `vista fly DIR --list` names them")
-    families(arguments.family)
+    if arguments.vehicle == "fixed-wing" and any(RIVALS[name].hovers for name in arguments.rival):
+        raise InputError("--rival", "a fixed wing cannot stop; leave out `brake`")
+    families(arguments)
     if arguments.rate not in RATES_HZ:
         raise InputError("--rate", f"must be one of {', '.join(f'{rate:g}' for rate in RATES_HZ)}")
     if arguments.width < LEAST_WIDTH_PX or arguments.width % 32:

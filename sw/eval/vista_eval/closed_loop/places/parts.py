@@ -13,6 +13,7 @@ from vista_eval.worlds.sampled.trees import pine
 from vista_eval.worlds.triangles import Triangles, joined, placed, turned
 from vista_eval.worlds.vegetation import conifer
 
+WALL_M = 0.04
 FINE_M, COARSE_M = 0.06, 0.5  # texels of the ground where the flight goes, and around it
 AROUND_M, HORIZON_M = 60.0, 700.0
 GRID = 8  # cells along each edge of a box of triangles
@@ -55,7 +56,12 @@ def scene(
 
 
 def upright_box(
-    name: str, foot_m: tuple[float, float], size_m: tuple[float, float, float], turn_deg: float, seed: int
+    name: str,
+    foot_m: tuple[float, float],
+    size_m: tuple[float, float, float],
+    turn_deg: float,
+    seed: int,
+    texel_m: float = WALL_M,
 ) -> Thing:
     """A box on the ground, its first side along x before it is turned, each side faced with its own wall."""
     rng = draws(seed, name)
@@ -66,9 +72,9 @@ def upright_box(
     for k in range(4):
         left, right = feet[k], feet[(k + 1) % 4]
         face = walls.TEXTURED[int(rng.integers(len(walls.TEXTURED)))]
-        albedo = face(float(np.linalg.norm(right - left)), height, some_seed(rng), 0.04)
+        albedo = face(float(np.linalg.norm(right - left)), height, some_seed(rng), texel_m)
         solids.append(things.rectangle(f"{name}_{k}", left, right, height, albedo))
-    top = walls.roughcast(length, width, some_seed(rng), 0.1)
+    top = walls.roughcast(length, width, some_seed(rng), max(texel_m, 0.1))
     middle, along, aside = feet.mean(axis=0), (feet[3] - feet[0]) / 2, (feet[0] - feet[1]) / 2
     middle[2] = height
     solids.append(Panel(f"{name}_top", tuple(middle), tuple(aside), tuple(along), top))
