@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from command_line import assert_refused, call
 from vista import parameters
-from vista_eval.closed_loop.camera import calibration_of, rig_of
+from vista.geometry import Pose
+from vista_eval.closed_loop.camera import BASELINE_M, calibration_of, rig_of
 from vista_eval.closed_loop.collision import Geometry, to_cylinders_m, to_triangles_m
 from vista_eval.closed_loop.loop import NOTHING, Conditions, Faults, Flight, Moment, fly
 from vista_eval.closed_loop.outcome import Outcome, begins, outcome_of, stops_of
+from vista_eval.closed_loop.painted import FAR_M, background_m
 from vista_eval.closed_loop.pilots import BrakeOnly, Leg, Seen, Straight, along_leg
 from vista_eval.closed_loop.places import boxes, forests
 from vista_eval.closed_loop.places.catalog import FAMILIES
@@ -338,3 +340,34 @@ def test_the_planner_flies_round_a_box_that_true_disparities_show():
     assert outcome.end == "reached"
     assert outcome.nearest_m > 0.8
     assert outcome.evasions > 0
+
+
+# ---- eyes without a map ----
+
+
+def test_without_obstacles_all_is_free_to_the_wall_and_down_to_the_ground():
+    rig = rig_of(160, 87.0)
+    level = np.column_stack([(0.0, -1.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)])  # looks along x
+    depth_m = background_m(rig, Pose(level, np.array([0.0, 0.0, 4.0])))
+    assert depth_m[0] == pytest.approx(np.full(160, FAR_M))
+    below = (119 - rig.center_px[1]) / rig.focal_px
+    assert depth_m[119] == pytest.approx(np.full(160, 4.0 / below))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", ["obstacles", "clusters"])
+def test_a_wall_is_a_wall_to_who_knows_no_map(words):
+    """What is painted where the wall stands, and beside it."""
+    wall = upright_box("wall", (12.0, 0.0), (1.0, 5.0, 20.0), 0.0, 5)
+    world, seen = small_world(wall, goal_m=9.0), []
+
+    def noting(perception):
+        inner = perception._words
+        perception._words = lambda left, right, px: (seen.append(px), inner(left, right, px))[1]
+        return Straight()
+
+    fly(world, noting, parameters.defaults(), Conditions(width_px=320), words=words)
+    px = max(seen, key=lambda one: one[120, 160])
+    far_px = rig_of(320, 87.0).focal_px * BASELINE_M / FAR_M
+    assert px[120, 160] > 3 * far_px
+    assert px[20, 5] == pytest.approx(far_px, rel=0.01)

@@ -16,12 +16,13 @@ from vista.history import FrameRecord
 from vista.rectify import Rectifier
 
 from vista_eval.closed_loop.camera import calibration_of
+from vista_eval.closed_loop.painted import cluster_maker, of_obstacles
 from vista_eval.closed_loop.vehicles import Kind
 from vista_eval.closed_loop.world import World
 from vista_eval.render.rig import Rig
 from vista_eval.rivals import at_one_level, make_sgbm, true_words, with_forest
 
-Words = Literal["engine", "perfect", "SGBM"]
+Words = Literal["engine", "perfect", "SGBM", "obstacles", "clusters"]
 UP_WORLD = np.array([0.0, 0.0, 1.0])
 MakeWords = Callable[[np.ndarray, np.ndarray, np.ndarray | None], list[np.ndarray]]  # of images and truth
 
@@ -43,6 +44,10 @@ class Perception:
             values = at_one_level(values)
         self.values = with_forest(values) if forest else values
         self._words = maker_of(words, self.values)
+        # Who knows obstacles, or clusters, alone: the words are those of what they tell.
+        self._finds = Perception(rig, values, "engine", forest) if words == "obstacles" else None
+        self._clusters = cluster_maker(rig, engine_parameters(values)) if words == "clusters" else None
+        self._rig = rig
         self.detector = Detector(Rectifier(rectified_rig(calibration_of(rig), "flight")), self.values)
         self._index = 0
 
@@ -54,6 +59,11 @@ class Perception:
         disparity_px: np.ndarray | None,
     ) -> FrameRecord:
         """disparity_px: the true ones, for words without error."""
+        if self._finds is not None:
+            found = self._finds.judge(pair, t_ns, pose, None)
+            disparity_px = of_obstacles(self._rig, pose, found)
+        if self._clusters is not None:
+            disparity_px = self._clusters(*pair, pose)
         self.detector.take(*pair, t_ns)
         self.detector.match(None if self._words is None else self._words(*pair, disparity_px))
         result = self.detector.judge(self.detector.rectified_pose(pose), UP_WORLD)
@@ -76,7 +86,7 @@ def maker_of(words: Words, values: parameters.Values) -> MakeWords | None:
     match words:
         case "engine":
             return None
-        case "perfect":
+        case "perfect" | "obstacles" | "clusters":
             return lambda left, right, true: perfect_words(true, stereo)
         case "SGBM":
             matched = make_sgbm(stereo)

@@ -66,6 +66,8 @@ RIVALS: dict[str, Rival] = {
         Rival("planner", "planner", planner),
         Rival("perfect", "planner, perfect words", planner, words="perfect"),
         Rival("sgbm", "planner, words of SGBM", planner, words="SGBM"),
+        Rival("obstacles", "planner, obstacles without the map", planner, words="obstacles"),
+        Rival("alone", "planner, stereo alone", planner, words="clusters"),
         Rival("forest", "planner, forest in place of the cut", planner, forest=True),
         Rival("punctual", "planner without latency", planner, late=False),
     )
