@@ -9,7 +9,7 @@ from random_seed import seeded
 from stage_library import Stages, camera
 
 FRAMES = 30
-STEP_SLOPE, REST_AFFINITY, REST_AREA_PX2 = 0.02, 0.7, 60.0  # of seed_step.h and seeds.c
+STEP_SLOPE, REST_AFFINITY, REST_AREA_PX2 = 0.02, 0.7, 60.0  # of seed_step.h, seeds.c and scales.h
 FAR_FROM_METRES = 1000.0  # a baseline before which half a metre is no step and two metres are no gap
 
 

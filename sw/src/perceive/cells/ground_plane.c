@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/wide_vectors.h"
+#include "perceive/scales.h"
 
 #define GROUND_TILT_DEG 15.0 /* the ground leans at most this from the horizontal */
 /* Least of the area below the horizon that has a disparity, after what lies below the plane is taken off. */
@@ -16,10 +17,9 @@
 #define REFINEMENTS 4
 #define SAME_VOTES 0.98f /* as many, but for a few cells at the edge of the tolerance */
 #define MIN_CELLS 20
-#define MIN_GROUND_PX 1.0f    /* nearer to the horizon all sorts of things are near the plane */
 #define UPRIGHT_DEG 20.0f
-#define TOLERANCE_PX 2.0f /* or TOLERANCE_SHARE of the disparity: matching noise, and roads that are not quite plane */
-#define TOLERANCE_SHARE 0.05f
+/* Or VISTA_GROUND_SHARE of the disparity: matching noise, and roads that are not quite plane. */
+#define TOLERANCE_PX 2.0f
 #define CLOSE 0.5f /* of the tolerance: counts twice */
 
 typedef struct sample {
@@ -42,7 +42,7 @@ static int32_t collect(const vista_foveation *f, const vista_camera *camera, con
   const double highest = sin(tilt_deg / VISTA_DEGREES_PER_RADIAN);
   int32_t count = 0;
   for (int32_t i = 0; i < f->node_count; ++i) {
-    if (cells->disparity_px[i] < MIN_GROUND_PX) continue;
+    if (cells->disparity_px[i] < (float)VISTA_FARTHEST_PX) continue;
     const double x = ((double)f->center_u[i] - camera->center_u_px) / camera->focal_px;
     const double y = ((double)f->center_v[i] - camera->center_v_px) / camera->focal_px;
     const double rise = (x * up[0] + y * up[1] + up[2]) / sqrt(x * x + y * y + 1.0);
@@ -84,7 +84,7 @@ static bool level_through(const vista_camera *camera, const double up[3], const 
   return true;
 }
 
-static inline float tolerance_px(float ground_px) { return fmaxf(TOLERANCE_PX, TOLERANCE_SHARE * ground_px); }
+static inline float tolerance_px(float ground_px) { return fmaxf(TOLERANCE_PX, (float)VISTA_GROUND_SHARE * ground_px); }
 
 #define LANES 8
 #define BLOCK 64 /* cells between two looks at whether a proposal can still win */
@@ -132,11 +132,11 @@ VISTA_WIDE_VECTORS static float score(const jury *j, const vista_plane *plane, f
       for (int32_t lane = 0; lane < LANES; ++lane) {
         const int32_t k = first + lane;
         const float ground = offset + slope_u * j->u_px[k] + slope_v * j->v_px[k];
-        const float share = TOLERANCE_SHARE * ground, more = share - TOLERANCE_PX;
+        const float share = (float)VISTA_GROUND_SHARE * ground, more = share - TOLERANCE_PX;
         const float tolerance = TOLERANCE_PX + (float)(1 + below_zero(more)) * more;
         const float above = j->disparity_px[k] - ground, size = fabsf(above);
         const int32_t near = 1 + below_zero(tolerance - size), close = 1 + below_zero(CLOSE * tolerance - size);
-        const int32_t below = below_zero(above + tolerance), known = 1 + below_zero(ground - MIN_GROUND_PX);
+        const int32_t below = below_zero(above + tolerance), known = 1 + below_zero(ground - (float)VISTA_FARTHEST_PX);
         sums[lane] += 0.5f * (float)(known * (near + close)) * j->vote_px2[k] + (float)(known * below) * j->area_px2[k];
       }
     }
@@ -153,7 +153,9 @@ static bool refine(const sample *samples, int32_t count, float share_of_toleranc
   for (int32_t k = 0; k < count; ++k) {
     const sample *const s = &samples[k];
     const float ground = (float)(plane->offset + plane->slope_u * (double)s->u_px + plane->slope_v * (double)s->v_px);
-    if (ground < MIN_GROUND_PX || fabsf(s->disparity_px - ground) > share_of_tolerance * tolerance_px(ground)) continue;
+    if (ground < (float)VISTA_FARTHEST_PX ||
+        fabsf(s->disparity_px - ground) > share_of_tolerance * tolerance_px(ground))
+      continue;
     vista_plane_fit_add(&fit, (double)s->u_px, (double)s->v_px, (double)s->disparity_px, (double)s->vote_px2);
     used++;
   }

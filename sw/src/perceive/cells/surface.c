@@ -9,8 +9,8 @@
 #include "common/plane_fit.h"
 #include "perceive/cells/ground_plane.h"
 #include "perceive/cells/inclination.h"
+#include "perceive/scales.h"
 
-#define GROUND_STEP_PX 0.5 /* cells within this of the ground's plane are ground */
 #define GROUND_STEP_M 0.35 /* cells above the plane by this, too, stand; at most 6 % of the range */
 
 vista_status vista_surfaces_layout(vista_surfaces *surfaces, vista_arena *arena, const vista_foveation *foveation) {
@@ -42,9 +42,9 @@ static void compare_with_ground(const vista_frame_view *frame, const vista_cells
     if (d <= 0.0) continue;
     const double u = (double)f->center_u[i], v = (double)f->center_v[i];
     const double ground = vista_plane_disparity_px(plane, camera, u, v);
-    if (d < ground - GROUND_STEP_PX) continue;
+    if (d < ground - VISTA_GROUND_PX) continue;
     const double step_m = (double)vista_limit_m(camera, (float)d, (float)GROUND_STEP_M);
-    const bool stands = d >= ground + GROUND_STEP_PX && vista_plane_height_m(plane, camera, u, v, d) >= step_m;
+    const bool stands = d >= ground + VISTA_GROUND_PX && vista_plane_height_m(plane, camera, u, v, d) >= step_m;
     surfaces->horizontal[i] = !stands;
   }
 }

@@ -16,7 +16,8 @@
 #include "common/graph.h"
 #include "vista/status.h"
 
-#define VISTA_MAXFLOW_ARC_CAPACITY_MAX 1073741823 /* 2^30 - 1: an arc can then take up all that its sister carries */
+#define VISTA_MAXFLOW_ARC_CAPACITY_MAX \
+  (INT32_MAX / 2) /* 2^30 - 1: an arc can then take up all that its sister carries */
 
 struct vista_maxflow_arc;
 struct vista_maxflow_branch;

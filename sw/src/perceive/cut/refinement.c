@@ -19,19 +19,16 @@
 #define DISPARITY_LIMIT 2.0 /* in SIGMA_DISPARITY_PX: a larger difference weighs no more */
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
 #define BATCH 256 /* pixels treated at once */
-#define LANES VISTA_WORD_BLOCK /* counts are rounded up to a multiple: lists are as long, and loops need no remainder */
 #define COST_ONE 65536.0f /* of the costs as whole numbers; parameters and neighbours keep a cost below 4096 */
 
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,
                                      const vista_foveation *foveation) {
   const size_t pixels = (size_t)foveation->width_px * (size_t)foveation->height_px;
   refinement->label = vista_arena_take(arena, pixels, sizeof(int32_t));
-  refinement->listed = vista_arena_take(arena, pixels + LANES, sizeof(int32_t));
+  refinement->listed = vista_arena_take(arena, pixels + VISTA_WORD_BLOCK, sizeof(int32_t));
   refinement->border = vista_arena_take(arena, (size_t)foveation->max_nodes, sizeof(uint8_t));
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
-
-static int32_t whole_vectors(int32_t count) { return (count + LANES - 1) & -LANES; }
 
 static void mark_borders(const vista_graph *graph, const int32_t *label, uint8_t *border) {
   for (int32_t i = 0; i < graph->node_count; ++i) {
@@ -102,8 +99,7 @@ static inline void try_candidate(double sigma_levels, const candidate *one, int3
   }
 }
 
-/* The pixels of a cell, as the foveation lists them: at (us, vs), with these grey levels and words. All arrays have
- * room for whole vectors: what they hold beyond the last pixel is of no matter. */
+/* The pixels of a cell, as the foveation lists them: at (us, vs), with these grey levels and words. */
 typedef struct cell_pixels {
   const int16_t *us, *vs;
   const uint8_t *greys;
@@ -117,7 +113,7 @@ VISTA_WIDE_VECTORS static void solve(double sigma_levels, const candidate *candi
   const uint8_t *const greys = pixels->greys;
   batch b;
   for (int32_t first = 0; first < pixel_count; first += BATCH) {
-    const int32_t left = pixel_count - first < BATCH ? pixel_count - first : BATCH, count = whole_vectors(left);
+    const int32_t count = pixel_count - first < BATCH ? pixel_count - first : BATCH;
     for (int32_t k = 0; k < count; ++k) {
       b.u[k] = (float)us[first + k] - center_u;
       b.v[k] = (float)vs[first + k] - center_v;
@@ -126,13 +122,9 @@ VISTA_WIDE_VECTORS static void solve(double sigma_levels, const candidate *candi
       b.word[k] = (float)(words[first + k] < 0 ? INT16_MAX : words[first + k]); /* unknown: farther than nothing */
       b.cost[k] = INT32_MAX;
     }
-    for (int32_t k = left; k < count; ++k)
-      b.u[k] = b.v[k] = b.r2[k] = b.grey[k] = b.word[k] = 0.0f; /* pixels of another cell */
     for (int32_t c = 0; c < candidate_count; ++c) try_candidate(sigma_levels, &candidates[c], count, &b, label + first);
   }
 }
-
-#define DRAWN 16 /* pixels at once */
 
 /* The run that pixel `p` belongs to, of the runs row by row. */
 static int32_t run_at(const vista_foveation *f, int32_t p) {
@@ -158,11 +150,12 @@ VISTA_WIDE_VECTORS static void draw(const vista_foveation *f, int32_t first_row,
     const int32_t end = f->end_in_rows[r], node = f->node_in_rows[r], drawn = label[node];
     if (border[node]) {
       const int32_t *from = listed + f->listed_in_rows[r];
-      for (; p < end && p + DRAWN <= pixels; p += DRAWN, from += DRAWN) memcpy(out + p, from, DRAWN * sizeof *out);
+      for (; p < end && p + VISTA_WORD_BLOCK <= pixels; p += VISTA_WORD_BLOCK, from += VISTA_WORD_BLOCK)
+        memcpy(out + p, from, VISTA_WORD_BLOCK * sizeof *out);
       for (; p < end; ++p) out[p] = *from++;
     } else {
-      for (; p < end && p + DRAWN <= pixels; p += DRAWN)
-        for (int32_t k = 0; k < DRAWN; ++k) out[p + k] = drawn;
+      for (; p < end && p + VISTA_WORD_BLOCK <= pixels; p += VISTA_WORD_BLOCK)
+        for (int32_t k = 0; k < VISTA_WORD_BLOCK; ++k) out[p + k] = drawn;
       for (; p < end; ++p) out[p] = drawn;
     }
     p = end;
@@ -178,18 +171,6 @@ typedef struct job {
 } job;
 
 #define PARTS 16
-
-/* Solves a cell where the list has no room for whole vectors: behind the part's last cell it is another thread's. */
-static void solve_last(double sigma_levels, const candidate *candidates, int32_t candidate_count,
-                       const cell_pixels *pixels, float center_u, float center_v, int32_t pixel_count, int32_t *label) {
-  int32_t found[BATCH];
-  for (int32_t i = 0; i < pixel_count; i += BATCH) {
-    const int32_t count = pixel_count - i < BATCH ? pixel_count - i : BATCH;
-    const cell_pixels some = {pixels->us + i, pixels->vs + i, pixels->greys + i, pixels->words + i};
-    solve(sigma_levels, candidates, candidate_count, &some, center_u, center_v, count, found);
-    memcpy(label + i, found, (size_t)count * sizeof *found);
-  }
-}
 
 static void solve_part(void *context, int32_t part, int32_t worker) {
   (void)worker;
@@ -208,13 +189,9 @@ static void solve_part(void *context, int32_t part, int32_t worker) {
     }
     candidate candidates[MAX_CANDIDATES];
     const int32_t count = list_candidates(f, j->cells, j->label, border, node, candidates);
-    const int32_t pixels = f->pixel_count[node], room = f->first_pixel[end_node] - first;
-    const float u = f->center_u[node], v = f->center_v[node];
     const cell_pixels all = {f->pixel_u + first, f->pixel_v + first, j->cells->greys + first, j->cells->words + first};
-    if (whole_vectors(pixels) <= room)
-      solve(j->sigma_levels, candidates, count, &all, u, v, pixels, listed + first);
-    else
-      solve_last(j->sigma_levels, candidates, count, &all, u, v, pixels, listed + first);
+    solve(j->sigma_levels, candidates, count, &all, f->center_u[node], f->center_v[node], f->pixel_count[node],
+          listed + first);
   }
 }
 

@@ -10,11 +10,11 @@
 #include "perceive/cells/cells.h"
 #include "perceive/cells/surface.h"
 #include "perceive/cut/seeds.h"
+#include "perceive/scales.h"
 #include "vista/parameters.h"
 #include "vista/types.h"
 
 #define SEED_STEP_SLOPE 0.02 /* px per px between the centres, added to seed_step_px */
-#define SEED_STEP_M 0.5 /* a step that means less depth is none; at most 6 % of the range */
 
 static inline bool vista_standing(const vista_cells *cells, const vista_surfaces *surfaces, int32_t node) {
   return cells->disparity_px[node] > 0.0f && !surfaces->horizontal[node];
@@ -27,7 +27,7 @@ static inline bool vista_seed_is_smooth(const vista_segmentation_params *params,
                                         float distance_px, float disparity_px, float multiple, float step_px) {
   const float flat_px = (float)params->seed_step_px + (float)SEED_STEP_SLOPE * distance_px;
   return step_px <= multiple * flat_px ||
-         step_px <= multiple * vista_depth_step_px(camera, disparity_px, (float)SEED_STEP_M);
+         step_px <= multiple * vista_depth_step_px(camera, disparity_px, (float)VISTA_RELIEF_M);
 }
 
 /* Makes one set of those of nodes a and b. */

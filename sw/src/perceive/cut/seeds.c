@@ -9,10 +9,10 @@
 #include "common/grouping.h"
 #include "common/numbers.h"
 #include "perceive/cut/seed_step.h"
+#include "perceive/scales.h"
 
 /* Cells that no obstacle claims form seeds of the rest along edges of at least this affinity. */
 #define REST_AFFINITY 0.7
-#define REST_AREA_PX2 60.0 /* smallest seed of the rest that is cut out */
 #define BRIDGE_M 2.0 /* parts up to this far apart, with only cells without disparity between them, are one seed */
 #define SHELL_PX 6.0 /* cells of a seed this near to an edge of depth stay free in the cut: half the matching block */
 #define FARTHEST_STEP_PX 30.0f /* no slope is believed beyond this */
@@ -245,6 +245,6 @@ void vista_seeds_of_rest(const vista_frame_view *frame, const vista_affinity *af
       if (affinity->weight[arc] >= (float)REST_AFFINITY) vista_seeds_join(seeds, i, j);
     }
   }
-  number_seeds(seeds, graph->node_count, seeds->order, count, REST_AREA_PX2);
+  number_seeds(seeds, graph->node_count, seeds->order, count, VISTA_HALF_BLOCK_PX2);
   for (int32_t k = 0; k < seeds->count; ++k) seeds->min_disparity_px[k] = seeds->max_disparity_px[k] = -1.0f;
 }

@@ -8,6 +8,7 @@
 #include "perceive/cut/merge.h"
 #include "perceive/cut/seed_step.h"
 #include "perceive/cut/spanning_forest.h"
+#include "perceive/scales.h"
 
 #define UNKNOWN_LINK 0.03 /* of VISTA_FLOW_SCALE: what it costs to take a textureless cell into an obstacle */
 #define MISMATCH_LINK 0.5 /* the same per pixel of disparity beyond the seed's own range, at most four times this */
@@ -204,9 +205,6 @@ static vista_status cut_all(const view *w, vista_segmentation *s) {
   return VISTA_OK;
 }
 
-#define FOOT_PX 1.0 /* or FOOT_SHARE of the disparity: how far below its foot a thing may seem to reach */
-#define FOOT_SHARE 0.05
-
 /* Whether a cell touches one of its region that stands: the foot of a thing, which its ground hides in the words. */
 static bool at_foot(const view *w, const int32_t *label, int32_t node) {
   const vista_graph *const graph = &w->foveation->graph;
@@ -242,7 +240,8 @@ static void split_off_ground(const view *w, const vista_camera *camera, vista_se
     const double ground =
         vista_plane_disparity_px(&w->surfaces->ground, camera, (double)f->center_u[i], (double)f->center_v[i]);
     const bool cut_off = carried_px[i] < 0.0f; /* by ground that has left */
-    if (cut_off || ground > (double)carried_px[i] + fmax(FOOT_PX, FOOT_SHARE * ground)) s->label[i] = VISTA_NO_LABEL;
+    if (cut_off || ground > (double)carried_px[i] + fmax(VISTA_SURFACE_PX, VISTA_GROUND_SHARE * ground))
+      s->label[i] = VISTA_NO_LABEL;
   }
 }
 

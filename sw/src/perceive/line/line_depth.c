@@ -5,9 +5,9 @@
 
 #include "common/numbers.h"
 #include "perceive/line/straight_lines.h"
+#include "perceive/scales.h"
 #include "vista/word.h"
 
-#define APART_PX 1.0 /* a word on the line tells of a thin thing when it is nearer by this than those beside it */
 #define AGREE_PX 0.6 /* such words agree with a straight line in space within this */
 #define AGREE_SHARE 0.7 /* least of these words that agree */
 #define ROWS_MIN 24 /* whose words agree */
@@ -22,10 +22,8 @@
 #define PROPOSALS 64
 #define LEVER_PX 16.0 /* at least, between the two rows of a proposal */
 #define PREFILTER_PX 1 /* by which the Sobel mask widens the block */
-#define CLEAR_PX 4.0 /* between what a block at a side sees and the middle of the line */
-#define SIDE_STEP_PX 4.0 /* to the second word of a side */
+#define CLEAR_PX 4.0 /* between what a block at a side sees and the middle of the line, and to the second word there */
 #define ASIDE_PX 2 /* a word may lie so far beside the line */
-#define ROWS_PER_BLOCK 11.0 /* words of so many rows share their errors */
 #define END_ROWS 4 /* whose words agree at each end of a line */
 #define END_ODDS 3.0 /* natural logarithm: beyond, words would be of the line if it went on */
 #define BIAS_PX 0.15 /* error of all words of a line */
@@ -55,7 +53,7 @@ static double beside(const reading *r, int32_t t) {
   for (int side = -1; side <= 1; side += 2)
     for (int k = 0; k < 2; ++k)
       nearest =
-          fmax(nearest, word_at(r->view, r->line, (int32_t)lround(across + side * (r->side_px + k * SIDE_STEP_PX)), t));
+          fmax(nearest, word_at(r->view, r->line, (int32_t)lround(across + side * (r->side_px + k * CLEAR_PX)), t));
   return nearest;
 }
 
@@ -68,7 +66,7 @@ static double on_line(const reading *r, int32_t t, double side, bool *apart) {
   for (int k = 0; k < 3 && !*apart; ++k) {
     const double word = word_at(r->view, r->line, places[k], t);
     if (word <= 0.0) continue;
-    *apart = side < 0.0 || word >= side + APART_PX;
+    *apart = side < 0.0 || word >= side + VISTA_SURFACE_PX;
     if (*apart || any < 0.0) any = word;
   }
   return any;
@@ -108,7 +106,8 @@ static int32_t propose(const vista_line_sample *samples, int32_t count, float t0
 static double columns_per_row(const vista_thin_line *line) { return line->flat ? 1.0 / line->slope : line->slope; }
 
 /* Least squares over the samples that agree with what *found says; their number. */
-static int32_t refine(const vista_line_sample *samples, int32_t count, double reach, vista_thin_line *found) {
+static int32_t refine(const vista_line_view *view, int32_t count, double reach, vista_thin_line *found) {
+  const vista_line_sample *const samples = view->samples;
   const double middle = vista_thin_middle_px(found);
   double n = 0.0, t = 0.0, d = 0.0, tt = 0.0, td = 0.0, dd = 0.0;
   for (int32_t i = 0; i < count; ++i) {
@@ -119,7 +118,7 @@ static int32_t refine(const vista_line_sample *samples, int32_t count, double re
   const double spread = tt - t * t / n, along = td - t * d / n;
   if (n < 2.0 || !(spread > 0.0)) return 0;
   const double slope = along / spread, residual = fmax(dd - d * d / n - slope * along, 0.0) / n;
-  const double rows = fmax(n / ROWS_PER_BLOCK, 1.0);
+  const double rows = fmax(n / view->frame->params->stereo.block_size, 1.0);
   found->disparity_slope = slope;
   found->lasting_sigma_px = ROW_ERROR_PX * fabs(columns_per_row(found));
   found->disparity_sigma_px = sqrt(vista_square(BIAS_PX) + residual / rows);
@@ -162,7 +161,7 @@ static double length_m(const vista_camera *camera, const vista_thin_line *line) 
 /* Whether something beside the line is as near as it, or nearer. */
 static bool is_level(const reading *r, const vista_thin_line *found, int32_t t) {
   const double side = beside(r, t);
-  return side >= 0.0 && side > vista_thin_disparity_px(found, t) - APART_PX;
+  return side >= 0.0 && side > vista_thin_disparity_px(found, t) - VISTA_SURFACE_PX;
 }
 
 /* Rows with something beside the line that is as near as it, or nearer. */
@@ -201,7 +200,8 @@ static int32_t rows_with_words(const reading *r, int32_t from, int32_t to) {
  * many more rows has one by chance. */
 static int32_t extended(const reading *r, const vista_ridge *ridge, int32_t agreed, int32_t step, double seen) {
   const int32_t end = vista_straight_line_end(ridge, r->line, agreed, step);
-  const double blocks = (end == agreed ? 0 : rows_with_words(r, agreed + step, end)) / ROWS_PER_BLOCK;
+  const double blocks =
+      (end == agreed ? 0 : rows_with_words(r, agreed + step, end)) / (double)r->view->frame->params->stereo.block_size;
   return blocks * -log(1.0 - fmin(seen, 0.95)) > END_ODDS ? agreed : end;
 }
 
@@ -271,7 +271,7 @@ bool vista_line_depth(const vista_line_view *view, const vista_thin_line *line, 
   if (propose(samples, own.rows_apart, (float)vista_thin_middle_px(&own), reach, &at, &slope) < fewest) return false;
   own.disparity_px = at;
   own.disparity_slope = slope;
-  for (int k = 0; k < 2; ++k) own.rows_on = refine(samples, own.rows_apart, reach, &own);
+  for (int k = 0; k < 2; ++k) own.rows_on = refine(view, own.rows_apart, reach, &own);
   if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < AGREE_SHARE * own.rows_apart) return false;
   if (own.rows_on < ROWS_SURE && own.rows_on < WORD_SHARE * own.rows) return false;
   set_ends(&r, camera, view->ridge, samples, own.rows_apart, reach, &own);

@@ -22,7 +22,7 @@
 #define ON_RIDGE 3       /* seventh parts of the full contrast: a row that shows the line */
 #define SAME_PX 6.0      /* two lines that are nearer in the middle of the shorter one are one line */
 #define COLUMN_PX 16     /* in which the pieces of a strip are looked up */
-#define SUM_BINS 129
+#define SUM_BINS (VISTA_STRIP_ROWS * VISTA_RIDGE_FULL + 1)
 
 void vista_straight_lines_layout(vista_straight_lines *lines, vista_arena *arena, int32_t width_px, int32_t height_px) {
   vista_ridge_layout(&lines->ridge, arena, width_px, height_px);

@@ -3,20 +3,80 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "perceive/line/flat_lines.h"
+#include "common/flight_path.h"
+#include "common/frame.h"
 #include "perceive/line/line_depth.h"
 #include "perceive/line/straight_lines.h"
 
 #define CONTRAST_NOISE 3.0 /* the contrast that counts in full is at least this many sigmas of the image's noise */
 
+#define WIDTH_PX 640
+#define HEIGHT_PX 256
+#define LEAD_M 30.0 /* of the path, to the point in the middle of what is searched */
+/* Rows per strip of columns. */
+#define LEAN ((VISTA_STRIP_ROWS * VISTA_STRIP_ROWS + VISTA_STRIP_LEAN - 1) / VISTA_STRIP_LEAN)
+/* A steeper line is found from row to row. */
+#define STEEPEST ((double)VISTA_STRIP_ROWS / VISTA_STRIP_LEAN)
+
+typedef struct flat_lines {
+  uint8_t *turned; /* the part of the image that is searched: a row for each of its columns */
+  vista_straight_lines lines;
+} flat_lines;
+
 struct vista_thin {
   int32_t width_px, height_px;
   vista_straight_lines image;
-  vista_flat_lines flat;
+  flat_lines flat;
   vista_line_sample *samples; /* scratch: the longer side of the image */
   vista_thin_line *items;
   int32_t count;
 };
+
+static void layout_flat(flat_lines *flat, vista_arena *arena, int32_t width_px, int32_t height_px) {
+  const int32_t width = width_px < WIDTH_PX ? width_px : WIDTH_PX;
+  const int32_t height = height_px < HEIGHT_PX ? height_px : HEIGHT_PX;
+  flat->turned = vista_arena_take(arena, (size_t)width * (size_t)height, 1);
+  vista_straight_lines_layout(&flat->lines, arena, height, width);
+  flat->lines.ridge.flat = true;
+  flat->lines.ridge.lean_max = LEAN;
+}
+
+static int32_t first_of(double middle, int32_t length, int32_t whole) {
+  return (int32_t)lround(fmin(fmax(middle - 0.5 * length, 0.0), whole - length));
+}
+
+static void turn(const vista_image *image, int32_t first_u, int32_t first_v, int32_t width, int32_t height,
+                 uint8_t *restrict turned) {
+  for (int32_t v = 0; v < height; ++v) {
+    const uint8_t *const row = image->data + (ptrdiff_t)(first_v + v) * image->stride + first_u;
+    for (int32_t u = 0; u < width; ++u) turned[(ptrdiff_t)u * height + v] = row[u];
+  }
+}
+
+/* Looks for lines that lie flat near where the flight path leads, from column to column: the image around the path is
+ * turned. What is steeper is looked for from row to row. */
+static void find_flat(const vista_frame_view *frame, double contrast, flat_lines *flat) {
+  vista_ridge *const ridge = &flat->lines.ridge;
+  const vista_camera *const camera = frame->camera;
+  const int32_t width = ridge->height_px, height = ridge->width_px;
+  double point_m[3], ahead_m[3];
+  vista_flight_path_point(&frame->path, fmin(LEAD_M, frame->path.length_m), point_m, NULL);
+  vista_frame_to_camera(&frame->motion.pose, point_m, ahead_m);
+  flat->lines.count = 0;
+  if (!(ahead_m[2] > 0.0)) return;
+  const double per_m = camera->focal_px / ahead_m[2];
+  ridge->along_px = first_of(camera->center_u_px + per_m * ahead_m[0], width, frame->image.width_px);
+  ridge->across_px = first_of(camera->center_v_px + per_m * ahead_m[1], height, frame->image.height_px);
+  turn(&frame->image, ridge->along_px, ridge->across_px, width, height, flat->turned);
+  const vista_image turned = {.data = flat->turned, .width_px = height, .height_px = width, .stride = height};
+  vista_straight_lines_find(&turned, contrast, &flat->lines);
+  int32_t kept = 0;
+  for (int32_t i = 0; i < flat->lines.count; ++i) {
+    const vista_thin_line line = flat->lines.items[i];
+    if (fabs(line.slope) <= STEEPEST) flat->lines.items[kept++] = line;
+  }
+  flat->lines.count = kept;
+}
 
 vista_status vista_thin_layout(vista_thin **thin, vista_arena *arena, int32_t width_px, int32_t height_px) {
   *thin = NULL;
@@ -24,7 +84,7 @@ vista_status vista_thin_layout(vista_thin **thin, vista_arena *arena, int32_t wi
   vista_thin *const made = vista_arena_take(arena, 1, sizeof *made);
   vista_thin parts = {.width_px = width_px, .height_px = height_px};
   vista_straight_lines_layout(&parts.image, arena, width_px, height_px);
-  vista_flat_lines_layout(&parts.flat, arena, width_px, height_px);
+  layout_flat(&parts.flat, arena, width_px, height_px);
   parts.samples =
       vista_arena_take(arena, (size_t)(width_px > height_px ? width_px : height_px), sizeof(vista_line_sample));
   parts.items = vista_arena_take(arena, VISTA_STRAIGHT_LINES_MAX, sizeof(vista_thin_line));
@@ -50,7 +110,7 @@ void vista_thin_search(const vista_frame_view *frame, const vista_surfaces *surf
   const double contrast = fmax(params->contrast, CONTRAST_NOISE * frame->noise.sigma);
   vista_straight_lines_find(&frame->image, contrast, &thin->image);
   add_things(frame, surfaces, &thin->image, thin);
-  vista_flat_lines_find(frame, contrast, &thin->flat);
+  find_flat(frame, contrast, &thin->flat);
   add_things(frame, surfaces, &thin->flat.lines, thin);
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/flight_path.h"
 #include "common/numbers.h"
+#include "perceive/scales.h"
 
 #define REACH_RADII 2.0    /* of the collision volume */
 #define ACROSS_SIGMA_PX 0.7
@@ -14,11 +15,10 @@
 #define HALF_WIDTH_MIN_PX 1.0
 #define BAND_OFF_PX 5.0    /* from the line to the middle of a band */
 #define BAND_SIGMA_PX 6.5  /* standard deviation of a band's pixels across the line: of whole blocks that hold it */
-#define BAND_STEP_PX 1.0   /* between the disparities */
 
 static bool is_certain(const vista_thin_line *line, double t) {
   const double d = vista_thin_disparity_px(line, t);
-  return d >= VISTA_RECONSTRUCTED_MIN_PX && vista_thin_sigma_px(line, t) <= DEPTH_SIGMA_MAX * d;
+  return d >= VISTA_FARTHEST_PX && vista_thin_sigma_px(line, t) <= DEPTH_SIGMA_MAX * d;
 }
 
 static void point_at(const vista_thin_line *line, const vista_camera *camera, double t, double point_m[3]) {
@@ -120,7 +120,7 @@ static bool is_band(const vista_thin_line *line, const vista_detection *detectio
       0.5 * hypot(detection->ellipse.axis_a_px * sin(turn), detection->ellipse.axis_b_px * cos(turn));
   const double step_px = detection->disparity_px - vista_thin_disparity_px(line, t);
   return t >= line->first_px && t <= line->last_px && fabs(off_px) <= BAND_OFF_PX && sigma_px <= BAND_SIGMA_PX &&
-         fabs(step_px) <= fmax(BAND_STEP_PX, 3.0 * vista_thin_sigma_px(line, t));
+         fabs(step_px) <= fmax(VISTA_SURFACE_PX, 3.0 * vista_thin_sigma_px(line, t));
 }
 
 /* The number of those that are no bands of the line; if told to, only they are left, in their order. */

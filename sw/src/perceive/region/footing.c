@@ -9,6 +9,7 @@
 #include "common/depth.h"
 #include "common/plane_fit.h"
 #include "common/wide_vectors.h"
+#include "perceive/scales.h"
 
 /* Pixels of an obstacle whose word is less than this above the ground's plane are the ground at its foot; at most 6 %
  * of the range. */
@@ -16,7 +17,6 @@
 #define BEHIND_PX 1.5 /* of disparity: ground farther behind a surface is seen past a thin thing, and stays with it */
 #define FIXED_BITS 12
 #define SLOPE_MAX 2.0 /* px per px */
-#define BELOW_PX 0.5 /* of disparity: so far beneath the ground's plane a surface has to be */
 
 /* A stretch of a row in one region: the ground there and the surface of the region, in fixed-point engine words, which
  * are integers because compilers make vectors of their comparisons. */
@@ -39,7 +39,7 @@ static inline int32_t to_fixed_slope(double slope) {
 
 VISTA_WIDE_VECTORS static void clear_stretch(const stretch *s, const int16_t *words, int32_t length, int32_t *label) {
   const int32_t behind = (int32_t)(BEHIND_PX * VISTA_DISPARITY_SCALE * (1 << FIXED_BITS));
-  const int32_t below = (int32_t)(BELOW_PX * VISTA_DISPARITY_SCALE * (1 << FIXED_BITS));
+  const int32_t below = (int32_t)(VISTA_GROUND_PX * VISTA_DISPARITY_SCALE * (1 << FIXED_BITS));
   for (int32_t i = 0; i < length; ++i) {
     const int32_t word = words[i], ground = s->ground + s->ground_slope * i;
     const int32_t surface = s->surface + s->surface_slope * i;

@@ -4,12 +4,12 @@
 
 #include "common/ellipse.h"
 #include "common/frame.h"
+#include "perceive/scales.h"
 
 /* Uncertainty of a region's centre along each axis: in pixels, and over half its width or height, for the segmentation
  * moves that of a large one more. */
 #define CENTER_SIGMA_PX 1.0
 #define CENTER_SIGMA_RATIO 0.1
-#define CORRELATED_PIXELS 60.0 /* boundary inliers that share one matching block count as one */
 
 /* Standard deviation of the centre along one axis. A region cut by the border hides an unknown part of
  * itself: its centre may lie anywhere up to about its own half size further out. */
@@ -20,7 +20,7 @@ static double center_sigma(double half_size_px, bool cut) {
 
 /* The mean of the boundary inliers, of which only every correlated_pixels-th is independent. */
 static double disparity_sigma(const vista_reconstruction_params *params, const vista_region *region) {
-  const double independent = fmax(1.0, region->boundary_inliers / CORRELATED_PIXELS);
+  const double independent = fmax(1.0, region->boundary_inliers / VISTA_HALF_BLOCK_PX2);
   return hypot(params->disparity_sigma_px, region->disparity_sigma_px / sqrt(independent));
 }
 
@@ -46,7 +46,7 @@ vista_status vista_reconstruct_region(const vista_frame_view *frame, const vista
   const vista_camera *const camera = frame->camera;
   const vista_reconstruction_params *const params = &frame->params->reconstruction;
   if (!isfinite(region->disparity_px) || !isfinite(region->disparity_sigma_px)) return VISTA_ERROR_NUMBER;
-  if (region->disparity_px < VISTA_RECONSTRUCTED_MIN_PX || region->disparity_sigma_px < 0.0) return VISTA_ERROR_RANGE;
+  if (region->disparity_px < VISTA_FARTHEST_PX || region->disparity_sigma_px < 0.0) return VISTA_ERROR_RANGE;
   const vista_margins margins = vista_matched_margins(&frame->matched, region->disparity_px);
   vista_detection result = {
       .label = region->label,
@@ -92,7 +92,7 @@ vista_status vista_reconstruct_regions(const vista_frame_view *frame, const vist
   int32_t accepted = 0;
   detections->count = 0;
   for (int32_t i = 0; i < region_count; ++i) {
-    if (regions[i].verdict != VISTA_REGION_ACCEPTED || regions[i].disparity_px < VISTA_RECONSTRUCTED_MIN_PX) continue;
+    if (regions[i].verdict != VISTA_REGION_ACCEPTED || regions[i].disparity_px < VISTA_FARTHEST_PX) continue;
     vista_detection found;
     const vista_status status = vista_reconstruct_region(frame, &regions[i], &found);
     if (status != VISTA_OK) return status;

@@ -16,8 +16,6 @@
 #include "vista/status.h"
 #include "vista/types.h"
 
-#define VISTA_RECONSTRUCTED_MIN_PX 1.0 /* smaller disparities are not reconstructed */
-
 typedef struct vista_detection {
   int32_t label; /* of the region */
   bool plain;    /* the region is told by its outline alone */

@@ -12,8 +12,8 @@
 #include "perceive/region/region_evidence.h"
 #include "perceive/region/region_outline.h"
 #include "perceive/region/region_pixels.h"
+#include "perceive/scales.h"
 
-#define INLIERS_MIN 60 /* of an obstacle, but no more than one of min_size_m has pixels at its range */
 #define STANDING_MIN_FRACTION 0.3 /* a region of which less stands min_height_m above the ground lies on it */
 
 static const char *const verdict_names[VISTA_REGION_VERDICT_COUNT] = {
@@ -82,7 +82,7 @@ static void mark_boundary(const vista_foveation *foveation, const int32_t *label
 /* No more than the smallest obstacle has at that range: far things are small, and soon seen better or refuted. */
 static double fewest_inliers(const vista_region_params *params, const vista_camera *camera, double disparity_px) {
   const double smallest_px = params->min_size_m * disparity_px / camera->baseline_m;
-  return fmin(INLIERS_MIN, smallest_px * smallest_px);
+  return fmin(VISTA_HALF_BLOCK_PX2, smallest_px * smallest_px);
 }
 
 /* What only the own pixels tell. Cheap tests come first: this is measured of what passed them. */

@@ -7,17 +7,15 @@
 #include "common/depth.h"
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
+#include "perceive/scales.h"
 
-/* The same in depth; the larger of the two holds: near things have relief; at most 6 % of the range. */
-#define TOLERANCE_M 0.5
-#define PLANE_MIN_CELLS 6     /* fewer do not tell a slope from noise */
 #define SPAN_TOLERANCES 4.0 /* a plane that spans fewer has no middle to be seen */
 #define MIDDLE_SHARE 0.25   /* of the area that the middle third of a plane has if it is seen evenly */
 #define MAX_TOLERANCE_PX 32.0 /* keeps the sums of squares of one run inside 32 bits */
 
 double vista_region_tolerance_px(const vista_camera *camera, double disparity_px) {
-  const double relief = (double)vista_depth_step_px(camera, (float)disparity_px, (float)TOLERANCE_M);
-  const double tolerance_px = relief > VISTA_TOLERANCE_PX ? relief : VISTA_TOLERANCE_PX;
+  const double relief = (double)vista_depth_step_px(camera, (float)disparity_px, (float)VISTA_RELIEF_M);
+  const double tolerance_px = relief > VISTA_SURFACE_PX ? relief : VISTA_SURFACE_PX;
   return tolerance_px < MAX_TOLERANCE_PX ? tolerance_px : MAX_TOLERANCE_PX;
 }
 
@@ -53,31 +51,19 @@ VISTA_WIDE_VECTORS static void add_bins(int32_t low, int32_t top, uint32_t *rest
   }
 }
 
-/* Histogram of the words under the boundary: stretch by stretch of neighbouring cells that have any. */
+/* Histogram of the words under the boundary. */
 static vista_word_range count_boundary(const vista_region_view *w, vista_region *region) {
-  const int32_t *const first_pixel = w->foveation->first_pixel, *const members = w->members;
-  const vista_word_range *const ranges = w->cells->range;
   vista_word_range found = {0, INT16_MAX, 0};
-  for (int32_t m = 0, end; m < w->member_count; m = end) {
-    for (end = m; end < w->member_count && members[end] == members[m] + end - m && w->boundary[members[end]]; ++end) {
-      const vista_word_range *const range = &ranges[members[end]];
-      if (range->valid == 0) {
-        if (members[end] > w->foveation->point_count) break;
-        continue;
-      }
-      found.valid += range->valid;
-      found.least = range->least < found.least ? range->least : found.least;
-      found.most = range->most > found.most ? range->most : found.most;
-    }
-    const int32_t first = first_pixel[members[m]];
-    if (end > m) {
-      const int32_t count = first_pixel[members[end - 1] + 1] - first;
-      region->boundary_pixels += count;
-      add_words(w->cells->words + first, count, w->bins, w->bins + VISTA_ALL_WORDS);
-    } else {
-      region->boundary_pixels += w->boundary[members[m]] ? first_pixel[members[m] + 1] - first : 0;
-      ++end;
-    }
+  for (int32_t m = 0; m < w->member_count; ++m) {
+    const int32_t node = w->members[m], count = w->foveation->pixel_count[node];
+    if (!w->boundary[node]) continue;
+    region->boundary_pixels += count;
+    const vista_word_range *const range = &w->cells->range[node];
+    if (range->valid == 0) continue;
+    found.valid += range->valid;
+    found.least = range->least < found.least ? range->least : found.least;
+    found.most = range->most > found.most ? range->most : found.most;
+    add_words(w->cells->words + w->foveation->first_pixel[node], count, w->bins, w->bins + VISTA_ALL_WORDS);
   }
   add_bins(found.least, found.most, w->bins, w->bins + VISTA_ALL_WORDS);
   region->boundary_valid += found.valid;
@@ -88,8 +74,8 @@ double vista_region_mode_px(const vista_region_view *w, int32_t low, int32_t top
   const vista_camera *const camera = w->frame->camera;
   const uint32_t *const bins = w->bins;
   const bool even = vista_region_tolerance_px(camera, top / (double)VISTA_DISPARITY_SCALE) ==
-                    VISTA_TOLERANCE_PX; /* it grows with the disparity: the least is that of all */
-  const double least_width = 2.0 * VISTA_DISPARITY_SCALE * VISTA_TOLERANCE_PX;
+                    VISTA_SURFACE_PX; /* it grows with the disparity: the least is that of all */
+  const double least_width = 2.0 * VISTA_DISPARITY_SCALE * VISTA_SURFACE_PX;
   uint32_t sum = 0, best = 0;
   double mode = 0.0;
   for (int32_t end = low, start = 0; end <= top; ++end) {
@@ -139,7 +125,7 @@ static bool fit_plane(const vista_region_view *w, vista_plane *plane, double *ra
       vista_plane_fit_add(&fit, u, v, d, size * size);
       used++;
     }
-    if (used < PLANE_MIN_CELLS || !vista_plane_fit_solve(&fit, plane)) return false;
+    if (used < VISTA_SLOPE_POINTS || !vista_plane_fit_solve(&fit, plane)) return false;
     *range_px = sqrt(12.0) * vista_plane_fit_spread(&fit, plane);
   }
   return true;

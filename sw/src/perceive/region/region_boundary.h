@@ -18,7 +18,6 @@
 #include "vista/word.h"
 
 #define VISTA_BOUNDARY_PX 5.0 /* cells this near to a cell on the boundary belong to it: half the matching block */
-#define VISTA_TOLERANCE_PX 1.0 /* boundary disparities within this of the region's surface are its inliers */
 /* A region with fewer valid pixels cannot be judged by them: it is unknown. */
 #define VISTA_REGION_VALID_MIN_FRACTION 0.15
 #define VISTA_WORD_BINS (INT16_MAX + 1) /* one a valid word: those of coarser levels reach that far */

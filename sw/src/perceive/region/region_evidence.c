@@ -41,8 +41,6 @@ static heights heights_above(const vista_surfaces *surfaces, const vista_camera 
                    .top = (float)(1.0 - top_m * per_m)};
 }
 
-#define BYTE_MAX 255
-
 /* Counts lane by lane, three bytes in each: they are put together when a byte may be full, and at the end. */
 typedef struct lane_counts {
   uint32_t lanes[VISTA_WORD_BLOCK];
@@ -51,8 +49,8 @@ typedef struct lane_counts {
 
 static inline void add_lanes(lane_counts *counts, word_counts *sum) {
   for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
-    sum->valid += (int32_t)(counts->lanes[i] & BYTE_MAX);
-    sum->standing += (int32_t)(counts->lanes[i] >> 8 & BYTE_MAX);
+    sum->valid += (int32_t)(counts->lanes[i] & UINT8_MAX);
+    sum->standing += (int32_t)(counts->lanes[i] >> 8 & UINT8_MAX);
     sum->top += (int32_t)(counts->lanes[i] >> 16);
   }
   *counts = (lane_counts){0};
@@ -83,7 +81,7 @@ VISTA_WIDE_VECTORS static word_counts count_words(const vista_region_view *w, co
     sum.pixels += end - first;
     for (int32_t p = first; p < end; p += VISTA_WORD_BLOCK) {
       count_block(h, w->cells->words + p, w->foveation->pixel_u + p, w->foveation->pixel_v + p, end - p, counts.lanes);
-      if (++counts.blocks == BYTE_MAX) add_lanes(&counts, &sum);
+      if (++counts.blocks == UINT8_MAX) add_lanes(&counts, &sum);
     }
   }
   add_lanes(&counts, &sum);

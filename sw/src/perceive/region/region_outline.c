@@ -7,6 +7,7 @@
 #include "common/numbers.h"
 #include "perceive/cut/seed_step.h"
 #include "perceive/region/upright_plane.h"
+#include "perceive/scales.h"
 
 /* The share of its foot, and of its upright edges or its upper edge, that has to lie on one upright surface for a
  * region to be a plain wall. */
@@ -14,7 +15,6 @@
 #define FOOT_M 0.75 /* the foot of such a region is within this of the ground's plane; at most 6 % of the range */
 #define SIDE_BINS 32 /* of the height of the left and the right edge, and of the width of foot and top */
 #define EDGE_BINS 8  /* at least of an edge: less of it may be chance */
-#define POINTS_MIN 6 /* on one line of the plan: fewer do not tell a slope from noise */
 #define OPEN_FOOT 0.67 /* of the foot of what only one upright edge tells: fields have .63 at most, walls .75 */
 #define WHOLE_FOOT 0.8 /* with so much of it, half as much of that edge will do: in noise its words are lost first */
 #define SUNK_MAX 0.1 /* of its area, below the foot: cells are coarse */
@@ -262,7 +262,7 @@ bool vista_region_owns_outline(vista_region_view *w, const int32_t *label, vista
   if (fmin(extent.max_u - extent.min_u, extent.max_v - extent.min_v) < inner_px) return false;
   if (!vista_plan_of(camera, w->frame->up_camera, &plan)) return false;
   const int32_t count = find_points(w, &plan, label, region->label, &extent, points);
-  if (!vista_plan_fit(points, count, VISTA_TOLERANCE_PX, &line) || line.count < POINTS_MIN) return false;
+  if (!vista_plan_fit(points, count, VISTA_SURFACE_PX, &line) || line.count < VISTA_SLOPE_POINTS) return false;
   *surface = vista_plan_surface(&plan, &line);
   const double u = 0.5 * (extent.min_u + extent.max_u), v = 0.5 * (extent.min_v + extent.max_v);
   const double middle_px = vista_plane_at(surface, u, v), top_px = vista_plane_at(surface, u, extent.min_v);

@@ -8,7 +8,6 @@
 #include "common/numbers.h"
 
 #define ACROSS_SHARE 0.1 /* of the radius: how well it is known which point of the ground is met first */
-#define AROUND 2.0 /* radii from the path: the ground that the plane was found in (terrain_search.c) */
 #define FLATTEST 0.1 /* of the ellipse of the ground, its height over its width */
 #define ON_GROUND_M 0.5 /* the middle of what lies on the ground is this near to it, */
 #define ON_GROUND_SHARE 0.1 /* or this share of its distance from where the ground was found; but not by more than */
@@ -38,7 +37,8 @@ bool vista_terrain_obstacle(const vista_frame_view *frame, const vista_terrain *
       .world = terrain->world.verdict,
       .age_frames = terrain->age_frames,
       .distance_m = vista_norm(camera_m),
-      .extent_m = {2.0 * AROUND * c->radius_m, 2.0 * AROUND * c->radius_m * fmax(c->sine, 0.0)},
+      .extent_m = {2.0 * VISTA_TERRAIN_BESIDE * c->radius_m,
+                   2.0 * VISTA_TERRAIN_BESIDE * c->radius_m * fmax(c->sine, 0.0)},
       .ellipse = {measurement_px[0], measurement_px[1], radius_px, radius_px * fmax(c->sine, FLATTEST), angle_deg},
       .disparity_px = measurement_px[2],
       .in_collision_volume = terrain->credible && terrain->steady};

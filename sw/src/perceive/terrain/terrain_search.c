@@ -4,6 +4,7 @@
 
 #include "common/numbers.h"
 #include "common/plane_fit.h"
+#include "perceive/scales.h"
 
 #define LEAN_MIN_DEG 35.0 /* what leans more than this from the vertical is ground; what is steeper stands */
 #define AGREE_FRACTION 0.6 /* of the words where the volume meets the ground that has to lie on its surface */
@@ -14,19 +15,16 @@
 #define PASSES 4
 #define WINDOW_NEAR 0.75   /* of the contact's range: cells from here .. */
 #define WINDOW_FAR 1.35    /* .. to there make the plane */
-#define BESIDE 2.0         /* radii from the path, likewise */
 #define MIN_CELLS 12
-#define SEEN_MIN_PX2 60.0  /* half a matching block: less is no surface */
 #define SEEN_SHARE 0.25    /* of where it would be seen, has to have words */
 #define SEEN_AROUND 0.08   /* of the contact's range, before it and behind it, is looked at on the ground, or */
 #define SEEN_AROUND_M 1.2  /* this, if it is more */
 #define SEEN_BESIDE 1.25   /* radii from the path, likewise */
-#define TOLERANCE_PX 1.0
 #define TOLERANCE_SHARE 0.04
 #define STEPS 100          /* along an arc, and then by halves */
 #define PRECISION_M 1e-3
 
-static double tolerance_px(double disparity_px) { return fmax(TOLERANCE_PX, TOLERANCE_SHARE * disparity_px); }
+static double tolerance_px(double disparity_px) { return fmax(VISTA_SURFACE_PX, TOLERANCE_SHARE * disparity_px); }
 
 /* Along the path, and the square of the distance from it. */
 typedef struct place {
@@ -134,13 +132,14 @@ bool vista_terrain_dark(const vista_terrain_sight *sight) {
 }
 
 bool vista_terrain_seen(const vista_terrain_sight *sight) {
-  return sight->valid_px2 >= SEEN_MIN_PX2 && !vista_terrain_dark(sight) &&
+  return sight->valid_px2 >= VISTA_HALF_BLOCK_PX2 && !vista_terrain_dark(sight) &&
          sight->agree_px2 >= AGREE_FRACTION * sight->valid_px2;
 }
 
 /* The cells near the path, and the area of those inside the volume by their range. */
 static int32_t collect(const vista_terrain_view *w, const vista_terrain_volume *volume, double bins_px2[BINS]) {
-  const double radius2 = volume->radius_m * volume->radius_m, beside2 = BESIDE * BESIDE * radius2;
+  const double radius2 = volume->radius_m * volume->radius_m,
+               beside2 = VISTA_TERRAIN_BESIDE * VISTA_TERRAIN_BESIDE * radius2;
   int32_t count = 0;
   for (int k = 0; k < BINS; ++k) bins_px2[k] = 0.0;
   for (int32_t i = 0; i < w->foveation->node_count; ++i) {
@@ -207,7 +206,8 @@ bool vista_terrain_find(const vista_terrain_view *view, const vista_terrain_volu
     const double range_m = NEAREST_M * pow(BIN_RATIO, bin + 1.0);
     const double radius_px = volume->radius_m * view->camera->focal_px / range_m;
     const double inside_px2 = bins_px2[bin] + (bin + 1 < BINS ? bins_px2[bin + 1] : 0.0);
-    if (inside_px2 < BIN_SHARE * 3.14159265358979 * radius_px * radius_px || inside_px2 < SEEN_MIN_PX2) continue;
+    if (inside_px2 < BIN_SHARE * 3.14159265358979 * radius_px * radius_px || inside_px2 < VISTA_HALF_BLOCK_PX2)
+      continue;
     if (!settle(view, volume, count, range_m, plane, contact)) continue;
     const vista_terrain_sight sight = vista_terrain_look(view, volume, plane, contact);
     if (vista_terrain_seen(&sight)) return true;

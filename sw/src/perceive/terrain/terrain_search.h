@@ -16,6 +16,8 @@
 #include "vista/parameters.h"
 #include "vista/types.h"
 
+#define VISTA_TERRAIN_BESIDE 2.0 /* radii from the path: the ground that a plane is found in */
+
 /* Around a path; near a plane its radius is a share of the distance of the path's start from that plane at most. */
 typedef struct vista_terrain_volume {
   vista_flight_path path;

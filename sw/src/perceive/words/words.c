@@ -5,6 +5,7 @@
 
 #include "common/frame.h"
 #include "common/wide_vectors.h"
+#include "perceive/scales.h"
 
 #define SUPPORT 0.92 /* a word of a coarser level is taken where this share of the 5x5 pixels around it has one */
 #define CONTRADICTION_PX 2.0 /* of the coarser level: a word gives way to its word when they differ by more */
@@ -20,7 +21,7 @@ _Static_assert(VISTA_MAX_LEVELS == 1 + VISTA_COARSER_LEVELS, "level 0 and the co
 
 /* The word of a pixel without a disparity within this stage: so far below zero that no valid word is within a pixel. */
 #define NONE (-2 * VISTA_DISPARITY_SCALE)
-#define LIKE VISTA_DISPARITY_SCALE /* words of one surface differ by a pixel at most, from pixel to pixel */
+#define LIKE ((int32_t)(VISTA_SURFACE_PX * VISTA_DISPARITY_SCALE))
 #define REACH 2                    /* the support of a word is counted in 5x5 pixels */
 
 int32_t vista_words_side_px(int32_t side_px, int32_t level) {
