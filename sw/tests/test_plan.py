@@ -221,6 +221,23 @@ def test_a_fixed_wing_flies_around_and_its_plan_is_a_circle_that_closes() -> Non
     assert flight.position_m[2] >= 150.0 and flight.clearance_m > 0.8 * RADIUS_M
 
 
+@pytest.mark.slow
+def test_an_escape_that_meets_what_stands_is_never_called_one() -> None:
+    """Not even where the manoeuvres that were ruled out have taken all that may be asked for."""
+    goal = goal_of((0.0, 0.0, 400.0), 12.0, (0.0, 0.0, 0.0))
+    flight = Flight([], goal, velocity=(0.0, 0.0, 12.0), plan__vehicle="fixed_wing")
+    for _ in range(6):
+        flight.step()
+    wall = Wall(flight.position_m[2] + 22.0, (-150.0, 150.0))
+    flight.walls = [wall]
+    for _ in range(2):  # until the map holds it
+        flight.step()
+    for _ in range(6):
+        decision = flight.step()
+        met = any(distance_m(point, wall) < 0.5 * RADIUS_M for point in decision.points["position_m"])
+        assert not (met and decision.action == "escapes")
+
+
 def test_decisions_are_bounded_by_count() -> None:
     random = seeded(5)
     for _ in range(5):

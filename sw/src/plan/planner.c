@@ -257,14 +257,43 @@ static void end_plan(work *w) {
   if (w->brakes) (void)fly(w, &stop, circle_side(w, &stop));
 }
 
+/* Turns at once, to the side that is free for longer, if that is longer than so long. Whatever a fixed wing flies before
+ * it turns puts the turn off, and the next decision would put it off again. */
+static void turn_away(work *w, double best_s) {
+  const int32_t first = circle_side(w, &stop);
+  int32_t best = 0;
+  w->space.looks = 0;
+  for (int32_t k = 0; k < 2 && best_s < INFINITY; ++k) {
+    const int32_t side = k == 0 ? first : -first;
+    vista_plan_option found = stop;
+    if (!fly(w, &found, side)) continue;
+    if (vista_plan_check(&w->space, w->decision, true, &found)) found.after_s = INFINITY;
+    if (!(found.after_s > best_s)) continue;
+    best = side;
+    best_s = found.after_s;
+  }
+  if (best == 0) {
+    end_plan(w);
+    return;
+  }
+  w->brakes = true;
+  (void)fly(w, &stop, best);
+  if (!(best_s < INFINITY)) w->decision->action = VISTA_PLAN_ESCAPES;
+}
+
 /* No manoeuvre passes. What is in the way of the escape as well may yet be met later on another way. */
 static void escape(work *w) {
   vista_plan_decision *const d = w->decision;
   vista_plan_option found = stop;
   end_plan(w);
   d->action = stands(w) ? VISTA_PLAN_HOLDS : VISTA_PLAN_ESCAPES;
+  w->space.looks = 0; /* the manoeuvres may have left none, and what is not asked for is not in the way */
   if (stops_here(w) || vista_plan_check(&w->space, d, true, &found)) return;
   d->action = VISTA_PLAN_HELPLESS;
+  if (circles(w)) {
+    turn_away(w, found.after_s);
+    return;
+  }
   d->chosen = free_longest(w, found.after_s);
   if (d->chosen < 0)
     end_plan(w);
