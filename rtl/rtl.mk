@@ -19,8 +19,9 @@ P ?= 2048
 SOAK_FRAMES ?= 10000
 SOAK_CASES ?= 400
 MUTANTS ?= 50
+UPSETS ?= 10000
 
-.PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal fusesoc synth soak mutate coverage-rtl release-rtl
+.PHONY: setup-rtl rtl-engine csr csr-check lint-rtl test-rtl formal fusesoc synth soak mutate upsets coverage-rtl release-rtl
 
 setup-rtl: $(RTL_TOOLS) ## install the tools of rtl/ and tb/: cocotb, Verilator, Icarus, Yosys, nextpnr, PeakRDL, Verible
 
@@ -111,3 +112,6 @@ coverage-rtl: $(RTL_TOOLS) build ## measure line, branch, toggle and functional 
 
 mutate: $(RTL_TOOLS) build ## plant MUTANTS random mutants into the core and each block before it, and count those that the benches catch
 	@for of in core smooth rectify pyramid; do $(RTL_PYTHON) rtl/flow/mutate_rtl.py --of $$of --mutants $(MUTANTS) || exit 1; done
+
+upsets: $(RTL_TOOLS) build ## turn UPSETS random bits of registers and memories of the engine over while it runs, and see how long each lasts; continues where it stopped
+	@$(RTL_PYTHON) rtl/flow/upset_rtl.py --upsets $(UPSETS)

@@ -10,6 +10,8 @@ extern "C" {
 #include <cstdio>
 #include <deque>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "Vvista_stereo.h"
 #include "stall_pattern.h"
@@ -19,6 +21,11 @@ extern "C" {
 #endif
 #ifdef VISTA_MUTANTS
 #include "Vvista_stereo___024root.h"
+#endif
+
+#ifdef VISTA_UPSETS
+#include "verilated_sym_props.h"
+#include "verilated_syms.h"
 #endif
 
 #ifdef VISTA_WAVES
@@ -60,6 +67,7 @@ struct vista_rtl {
     top->store_axis_tready = 1;
     top->fetch_axis_tvalid = 0;
     top->eval();
+    find_cells();
   }
 
   // Inputs were set: settle, then one rising edge.
@@ -81,8 +89,23 @@ struct vista_rtl {
     waves.dump(static_cast<uint64_t>(10 * clock + 5));
 #endif
     ++clock;
+    if (clock == upset_clock) {
+      *upset_byte = static_cast<uint8_t>(*upset_byte ^ upset_mask);
+      top->eval();
+    }
     if (left_over && taken) top->s_axis_tvalid = left_over = false;
   }
+
+  // A register, or a memory of several entries.
+  struct Cell {
+    std::string name;
+    uint8_t* data;
+    uint32_t entries, bits, bytes;  // the last two of an entry
+  };
+  std::vector<Cell> cells;
+  int64_t upset_clock = -1;
+  uint8_t* upset_byte = nullptr;
+  uint8_t upset_mask = 0;
 
   int32_t response = 0;    // to the last access
   bool left_over = false;  // a beat is still offered that the last stream could not send: a bus may not withdraw it
@@ -154,6 +177,22 @@ struct vista_rtl {
                  t.s_axil_araddr, t.s_axil_rready, t.s_axis_tready, word, t.s_axil_awready, t.s_axil_wready,
                  t.s_axil_bvalid, t.s_axil_arready, t.s_axil_rvalid, word && t.m_axis_tuser, word && t.m_axis_tlast,
                  t.irq_o, t.m_axis_tdata, t.s_axil_rdata);
+  }
+
+  void find_cells() {
+#ifdef VISTA_UPSETS
+    for (const auto& [scope_name, scope] : *context.scopeNameMap()) {
+      if (!scope->varsp()) continue;
+      for (const auto& [name, variable] : *scope->varsp()) {
+        if (variable.isParam() || variable.vltype() == VLVT_STRUCT) continue;  // its fields are variables too
+        uint32_t entries = 1;
+        for (const VerilatedRange& range : variable.unpackedRanges())
+          entries *= static_cast<uint32_t>(range.elements());
+        cells.push_back({std::string(scope_name) + "." + name, static_cast<uint8_t*>(variable.datap()), entries,
+                         variable.entBits(), variable.entSize()});
+      }
+    }
+#endif
   }
 
   bool writing_ = false, accepted_ = false;
@@ -278,6 +317,24 @@ void vista_rtl_select_mutant(vista_rtl* engine, uint32_t number) {
   (void)engine;
   (void)number;
 #endif
+}
+
+int32_t vista_rtl_cell(vista_rtl* engine, uint32_t number, char* name, int32_t size, uint32_t* shape) {
+  if (number >= engine->cells.size()) return 0;
+  const auto& cell = engine->cells[number];
+  std::snprintf(name, static_cast<size_t>(size), "%s", cell.name.c_str());
+  shape[0] = cell.entries;
+  shape[1] = cell.bits;
+  return 1;
+}
+
+int64_t vista_rtl_clock(const vista_rtl* engine) { return engine->clock; }
+
+void vista_rtl_upset(vista_rtl* engine, uint32_t cell, uint32_t entry, uint32_t bit, int64_t clocks) {
+  const auto& hit = engine->cells[cell];
+  engine->upset_byte = hit.data + static_cast<size_t>(entry) * hit.bytes + bit / 8;  // the host is little-endian
+  engine->upset_mask = static_cast<uint8_t>(1u << bit % 8);
+  engine->upset_clock = engine->clock + clocks;
 }
 
 void vista_rtl_write_coverage(vista_rtl* engine, const char* path) {

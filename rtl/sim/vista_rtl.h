@@ -88,6 +88,16 @@ int32_t vista_rtl_record(vista_rtl* engine, const char* path);
 
 /* Of the builds that the benches make (tb/common/verilated.py); nothing happens in others. */
 void vista_rtl_select_mutant(vista_rtl* engine, uint32_t number);
+/* Cell `number`, a register (one entry) or a memory: its name, cut to fit, and {entries, bits of one}. Returns 0 when there
+ * are not so many cells. */
+int32_t vista_rtl_cell(vista_rtl* engine, uint32_t number, char* name, int32_t size, uint32_t* shape);
+
+/* Clocks since the engine was made, as in_clock and out_clock count. */
+int64_t vista_rtl_clock(const vista_rtl* engine);
+
+/* Turns a bit of a cell over after so many clocks from now. */
+void vista_rtl_upset(vista_rtl* engine, uint32_t cell, uint32_t entry, uint32_t bit, int64_t clocks);
+
 void vista_rtl_write_coverage(vista_rtl* engine, const char* path);
 
 #endif

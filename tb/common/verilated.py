@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import itertools
+import json
 import os
+import re
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from tools import BUILD, ROOT, VERILATOR_FLAGS, bench_sources, digest_of, made_once, verilator_environment
 
 HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
+# An upset breaks what the properties promise, and its bits are reached by Verilator's tables of names.
+UPSET_FLAGS = [f for f in VERILATOR_FLAGS if f not in ("--assert", "-DVISTA_ASSERT")] + ["--vpi"]
 USER, LAST = 1 << 16, 1 << 17  # of a beat
 WORD_USER, WORD_LAST = 1, 2  # of the flags of a word
 
@@ -40,12 +46,13 @@ class Config:
     rows: int = 0  # of the line buffer of rectification; 0: the core without front end
     points: int = 64  # control points of a camera, a power of two
     coverage: bool = False
+    upsets: bool = False  # bits of its registers and memories can be turned over; nothing is asserted
     stand: Stand | None = field(default=None, repr=False)
     waves: bool = "VISTA_WAVES" in os.environ  # written to build/rtl/top/NAME/waves.vcd
 
     @property
     def name(self) -> str:
-        kind = "_cov" * self.coverage + "_waves" * self.waves
+        kind = "_cov" * self.coverage + "_upsets" * self.upsets + "_waves" * self.waves
         kind += f"_{self.stand.name}" if self.stand else ""
         front_end = f"_r{self.rows}_p{self.points}" * bool(self.rows)
         return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{front_end}{kind}"
@@ -57,6 +64,23 @@ class Pace:
 
     stop: int = 0
     go: int = 1000
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A register, or a memory of several entries."""
+
+    number: int
+    name: str
+    entries: int
+    bits: int  # of an entry
+
+    @property
+    def path(self) -> str:
+        """Generated blocks and name within its module; a field of a structure belongs to that."""
+        parts = re.sub(r".*\bu_\w+\.", "", self.name).split(".")
+        blocks = list(itertools.takewhile(lambda part: part.startswith("gen_"), parts))
+        return ".".join([*blocks, parts[len(blocks)]])
 
 
 # What random tests draw from.
@@ -85,8 +109,11 @@ def _build(config: Config, files: list[Path], folder: Path) -> None:
     flags = "-fPIC " + (stand.flags if stand else "-O1")
     flags += " -DVISTA_COVERAGE" * config.coverage
     flags += " -DVISTA_MUTANTS" * (stand is not None)
+    flags += " -DVISTA_UPSETS" * config.upsets
+    environment = verilator_environment()
     command = [
-        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast", *VERILATOR_FLAGS,
+        "verilator", "--cc", "--build", "-j", "1", "-O3", "--x-assign", "fast",
+        *(UPSET_FLAGS if config.upsets else VERILATOR_FLAGS),
         "--top-module", "vista_stereo", "--prefix", "Vvista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
         *([] if stand and not stand.has_parameters else [
             f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
@@ -99,7 +126,8 @@ def _build(config: Config, files: list[Path], folder: Path) -> None:
         *(["--coverage-line", "--coverage-toggle"] if config.coverage else []),
         *map(str, files),
     ]  # fmt: skip
-    environment = verilator_environment()
+    if config.upsets:
+        command.append(str(_cells_made_public(command, environment, folder)))
     _run(command, environment, folder)
     root = _run(["verilator", "--getenv", "VERILATOR_ROOT"], environment, folder).strip()
     link = [
@@ -110,6 +138,68 @@ def _build(config: Config, files: list[Path], folder: Path) -> None:
         *([f'-DVISTA_WAVES="{folder}/waves.vcd"'] if config.waves else []),
     ]  # fmt: skip
     _run(link, environment, folder)
+
+
+def _cells_made_public(command: list[str], environment: dict[str, str], folder: Path) -> Path:
+    """Writes what lets the harness reach all registers and memories: what a clock assigns to."""
+    tree = folder / "tree.json"
+    only = [
+        "--json-only",
+        "--json-only-output",
+        str(tree),
+        "--json-only-meta-output",
+        str(folder / "meta.json"),
+    ]
+    without = ("--cc", "--build", "-j", "1", "-O3")
+    assert tuple(command[1:6]) == without
+    _run([command[0], *only, *command[6:]], environment, folder)
+    root = json.loads(tree.read_text())
+    clocked = set(_clocked(root))
+    found = {(module, path) for module, path, address in _variables(root, "", ()) if address in clocked}
+    (folder / "cells.json").write_text(json.dumps(sorted({path for _, path in found})))
+    lines = {f'public_flat_rw -module "{module}" -var "{path.split(".")[-1]}"' for module, path in found}
+    made = folder / "cells.vlt"
+    made.write_text("\n".join(["`verilator_config", *sorted(lines), ""]))
+    return made
+
+
+def _nodes(node: Any) -> Iterator[dict[str, Any]]:
+    """The node of Verilator's tree, and those below it."""
+    if isinstance(node, list):
+        for item in node:
+            yield from _nodes(item)
+    elif isinstance(node, dict):
+        yield node
+        for value in node.values():
+            if isinstance(value, list):
+                yield from _nodes(value)
+
+
+def _clocked(root: Any) -> Iterator[str]:
+    """Addresses of the variables that are assigned to at a clock."""
+    for node in _nodes(root):
+        if node["type"] == "ASSIGNDLY":
+            target = node["lhsp"][0]
+            while target["type"] != "VARREF":
+                target = target["fromp"][0]
+            yield target["varp"]
+
+
+def _variables(node: Any, module: str, blocks: tuple[str, ...]) -> Iterator[tuple[str, str, str]]:
+    """Module, path of generated blocks and name, and address of all variables."""
+    if isinstance(node, list):
+        for item in node:
+            yield from _variables(item, module, blocks)
+    elif isinstance(node, dict):
+        if node["type"] == "VAR":
+            yield module, ".".join([*blocks, node["origName"]]), node["addr"]
+        if node["type"] == "MODULE":
+            module = node["origName"]
+        if node["type"] == "GENBLOCK":
+            blocks = (*blocks, node["name"])
+        for value in node.values():
+            if isinstance(value, list):
+                yield from _variables(value, module, blocks)
 
 
 def _run(command: list[str], environment: dict[str, str], folder: Path) -> str:
@@ -126,6 +216,7 @@ def _load(config: Config) -> ctypes.CDLL:
     library.vista_rtl_create.restype = ctypes.c_void_p
     library.vista_rtl_read.restype = ctypes.c_uint32
     library.vista_rtl_stream.restype = ctypes.c_int64
+    library.vista_rtl_clock.restype = ctypes.c_int64
     return library
 
 
@@ -161,6 +252,30 @@ class Rtl:
     def select_mutant(self, number: int) -> None:
         self._lib.vista_rtl_select_mutant(self._handle, ctypes.c_uint32(number))
         self.reset()
+
+    def cells(self) -> list[Cell]:
+        """All registers and memories."""
+        clocked = set(json.loads((BUILD / "top" / self.config.name / "cells.json").read_text()))
+        found = []
+        name, shape = ctypes.create_string_buffer(256), (ctypes.c_uint32 * 2)()
+        for number in itertools.count():
+            if not self._lib.vista_rtl_cell(self._handle, ctypes.c_uint32(number), name, len(name), shape):
+                return found
+            cell = Cell(number, name.value.decode().removeprefix("TOP.vista_stereo."), *shape)
+            if cell.path in clocked:  # and not a wire of that name in another of the generated blocks
+                found.append(cell)
+        raise AssertionError
+
+    def clock(self) -> int:
+        """Clocks that have passed."""
+        return int(self._lib.vista_rtl_clock(self._handle))
+
+    def upset(self, cell: Cell, entry: int, bit: int, clocks: int) -> None:
+        """Turns a bit over after so many clocks."""
+        self._lib.vista_rtl_upset(
+            self._handle, ctypes.c_uint32(cell.number), ctypes.c_uint32(entry), ctypes.c_uint32(bit),
+            ctypes.c_int64(clocks),
+        )  # fmt: skip
 
     def reset(self, clocks: int = 4) -> None:
         self._lib.vista_rtl_reset(self._handle, clocks)
