@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -37,7 +37,7 @@ def part(config: Config, seed: int, restarts: bool) -> list[dict[str, object]]:
         return [asdict(found) for found in upsets(rtl, seed, PART, restarts)]
 
 
-def table(found: dict[tuple[str, str], Sequence[Upset]]) -> Table:
+def table(found: Mapping[tuple[str, str], Sequence[Upset]]) -> Table:
     """What became of the upsets, by top, way, and registers or memories."""
     rows = []
     for (top, way), all_of_them in found.items():
