@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plan_library import RADIUS_M, Flight, Planner, distance_m, goal_of, seen_world, state_of
+from plan_library import RADIUS_M, UP, Flight, Planner, distance_m, goal_of, seen_world, state_of
 from random_seed import seeded
-from space_library import UNMATCHED, Wall, scene
+from space_library import UNMATCHED, Space, Wall, scene
 from stage_library import ffi, lib
 
 
@@ -153,6 +153,19 @@ def test_what_was_seen_to_be_free_stays_so_for_a_while_when_it_leaves_the_view()
         state = state_of(t_s=1.5 + seconds)
         decision = planner.decide(space, state, goal_of(speed_m_s=3.0))
         assert (decision.action != "holds") == known
+
+
+def test_the_grid_keeps_what_was_seen_on_both_sides_of_the_worlds_origin() -> None:
+    """A grid is 48 m wide here. From z = 12 m it still holds what was seen from -20 m beyond z = -12 m."""
+    planner, kept = Planner(), []
+    for t_s, z_m in ((1.0, -20.0), (3.0, 12.0)):
+        space, at = Space(collision_radius_m=RADIUS_M), np.array([0.0, 0.0, z_m])
+        for k in range(3):
+            space.take(scene((), 20.0, at), t_s - 0.1 * (2 - k), up_camera=UP)
+        planner.decide(space, state_of(at, t_s=t_s), goal_of())
+        cells = planner.handle.cells
+        kept.append({(c.x, c.y) for c in cells if c.kind == 1 and c.t_ns and -24 <= c.y < 0})
+    assert len(kept[0]) > 100 and kept[0] <= kept[1]
 
 
 @pytest.mark.slow

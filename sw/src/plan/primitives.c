@@ -11,7 +11,7 @@
 #define JERK_M_S3 10.0 /* PX4 keeps to 8 unless it is told otherwise */
 #define UPRIGHT_SHARE 0.6 /* of the acceleration, that is there for climbs and descents */
 #define STILL_M_S 0.1
-#define YAW_RAD_S 1.2
+#define YAW_RAD_S 0.8 /* PX4 turns by 45 degrees a second unless it is told otherwise */
 #define WING_STEP_S 0.25
 #define WING_COMMIT_S 0.75 /* to roll takes longer than to lean */
 #define WING_SLOWEST_M_S 3.0 /* below it, there is no turn to fly */
