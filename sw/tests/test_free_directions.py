@@ -177,3 +177,26 @@ def test_python_and_c_agree_on_the_columns() -> None:
 def test_null_is_refused() -> None:
     status = lib.vista_pipeline_directions(ffi.NULL, ffi.new("vista_directions *"))
     assert status_name(status) == "VISTA_ERROR_ARGUMENT"
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_wall_that_the_border_cuts_off_ends_on_its_other_side_where_it_is_seen_to_end(side: float) -> None:
+    """A front 20 m wide at 10 m reaches 4 m into the view from one side. Its obstacle is as wide as the front
+    once was, around the middle of what is still seen."""
+    half_view_m = 10.0 * np.tan(np.radians(HALF_VIEW_DEG))
+    inner_m = half_view_m - 4.0
+    x_m = sorted((side * inner_m, side * (inner_m + 20.0)))
+    space = Space()
+    space.watch(scene([Wall(10.0, tuple(x_m))], GROUND_M), up_camera=UP)
+    thing = {
+        "confirmed": True,
+        "position_m": [side * (half_view_m - 2.0), 0.0, 10.0],
+        "extent_m": [20.0, 20.0],
+    }
+    free_m, blocked_m = directions(space, thing)
+    before_deg = np.degrees(np.arctan((inner_m - 2.0) / 10.0))
+    beside = inside & (side * middles_deg < before_deg)
+    within = inside & (side * middles_deg > np.degrees(np.arctan((inner_m + 1.0) / 10.0)))
+    assert beside.sum() > 10 and within.sum() > 5
+    assert free_m[beside].min() > 30.0 and not blocked_m[beside].any()
+    np.testing.assert_allclose(blocked_m[within], 10.0, rtol=0.3)

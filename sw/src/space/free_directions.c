@@ -34,6 +34,17 @@ static void direction_to_world(const vista_pose *pose, const double camera[3], d
   for (int i = 0; i < 3; ++i) world[i] = vista_dot(pose->rotation + 3 * i, camera);
 }
 
+/* Half of the width of an obstacle, on both sides of its middle. What the border of the image cuts off is remembered as
+ * wide as it was, but its middle is that of what is still seen: so it is as wide on the other side, and no wider. */
+static double half_width_m(const view *v, const vista_obstacle *obstacle, const double camera_m[3]) {
+  const vista_camera *const camera = v->frame->camera;
+  const double half_m = 0.5 * obstacle->extent_m[0];
+  if (!(camera_m[2] > 0.0)) return half_m;
+  const double u_px = camera->center_u_px + camera->focal_px * camera_m[0] / camera_m[2];
+  const double seen_px = fmin(u_px, camera->width_px - 1.0 - u_px);
+  return seen_px > 0.0 ? fmin(half_m, seen_px * camera_m[2] / camera->focal_px) : half_m;
+}
+
 static void tell(view *v, const vista_obstacle *obstacle) {
   double camera_m[3];
   if (!obstacle->confirmed) return;
@@ -42,7 +53,7 @@ static void tell(view *v, const vista_obstacle *obstacle) {
   const double ahead_m = vista_dot(camera_m, v->ahead), right_m = vista_dot(camera_m, v->right);
   const double distance_m = hypot(ahead_m, right_m);
   const double middle_deg = VISTA_DEGREES_PER_RADIAN * atan2(right_m, ahead_m);
-  const double half_deg = VISTA_DEGREES_PER_RADIAN * atan2(0.5 * obstacle->extent_m[0], distance_m);
+  const double half_deg = VISTA_DEGREES_PER_RADIAN * atan2(half_width_m(v, obstacle, camera_m), distance_m);
   double *const told_m = obstacle->kind == VISTA_OBSTACLE_GROUND ? v->ground_m : v->thing_m;
   const double first = fmax(floor(middle_deg - half_deg - VISTA_DIRECTIONS_FIRST_DEG), 0.0);
   const double last = fmin(floor(middle_deg + half_deg - VISTA_DIRECTIONS_FIRST_DEG), VISTA_DIRECTIONS - 1.0);
