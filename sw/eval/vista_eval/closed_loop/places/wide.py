@@ -36,7 +36,7 @@ def world(
 
 
 def places_x_m(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Along the way, apart from each other."""
+    """Positions along the way that are apart from each other."""
     step = (WAY_M - FIRST_M - LAST_M) / max(count - 1, 1)
     return np.asarray(FIRST_M + step * np.arange(count) + rng.uniform(-0.2, 0.2, count) * step)
 
