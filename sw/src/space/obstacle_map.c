@@ -6,7 +6,7 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
-#include "perceive/terrain/terrain_obstacle.h"
+#include "perceive/terrain/terrain.h"
 #include "space/nearest_collision.h"
 #include "space/track_obstacle.h"
 

@@ -1,9 +1,16 @@
-#include "perceive/cells/ground_plane.h"
+/* The plane of the ground below.
+ *
+ * In the image of disparities a plane is affine (plane_fit.h). Triples of cells propose planes (RANSAC); those that
+ * lean more than tilt_deg from the horizontal drop out before they are scored. Nothing is seen below the ground: a cell
+ * on a plane speaks for it with its area, a cell beyond it speaks against it, so that neither a table nor a hedge nor a
+ * chance slope through a street's two sides wins over the road. The best is refined by least squares over the cells
+ * near it. */
+#include "perceive/cells/surface.h"
 
 #include <math.h>
 #include <stdint.h>
-#include <string.h>
 
+#include "common/numbers.h"
 #include "common/wide_vectors.h"
 #include "perceive/scales.h"
 
@@ -115,13 +122,6 @@ static void fill_jury(jury *j, const sample *samples, int32_t count) {
   }
 }
 
-/* All ones where a number is below zero: compilers make no vectors of comparisons of floats. */
-static inline int32_t below_zero(float x) {
-  int32_t bits;
-  memcpy(&bits, &x, sizeof bits);
-  return bits >> 31;
-}
-
 /* Sum of the votes; as soon as it cannot exceed `needed`, whatever has been counted. */
 VISTA_WIDE_VECTORS static float score(const jury *j, const vista_plane *plane, float needed) {
   const float offset = (float)plane->offset, slope_u = (float)plane->slope_u, slope_v = (float)plane->slope_v;
@@ -132,12 +132,12 @@ VISTA_WIDE_VECTORS static float score(const jury *j, const vista_plane *plane, f
       for (int32_t lane = 0; lane < LANES; ++lane) {
         const int32_t k = first + lane;
         const float ground = offset + slope_u * j->u_px[k] + slope_v * j->v_px[k];
-        const float share = (float)VISTA_GROUND_SHARE * ground, more = share - TOLERANCE_PX;
-        const float tolerance = TOLERANCE_PX + (float)(1 + below_zero(more)) * more;
+        const float tolerance = vista_larger(TOLERANCE_PX, (float)VISTA_GROUND_SHARE * ground);
         const float above = j->disparity_px[k] - ground, size = fabsf(above);
-        const int32_t near = 1 + below_zero(tolerance - size), close = 1 + below_zero(CLOSE * tolerance - size);
-        const int32_t below = below_zero(above + tolerance), known = 1 + below_zero(ground - (float)VISTA_FARTHEST_PX);
-        sums[lane] += 0.5f * (float)(known * (near + close)) * j->vote_px2[k] + (float)(known * below) * j->area_px2[k];
+        const int32_t near = size <= tolerance, close = size <= CLOSE * tolerance;
+        const int32_t below = above + tolerance < 0.0f, known = ground >= (float)VISTA_FARTHEST_PX;
+        sums[lane] +=
+            0.5f * (float)(known * (near + close)) * j->vote_px2[k] + (float)(known * -below) * j->area_px2[k];
       }
     }
     sum = 0.0f;

@@ -1,4 +1,5 @@
-#include "perceive/cells/inclination.h"
+/* The inclination of the surface under each cell, ring by ring. */
+#include "perceive/cells/surface.h"
 
 #include <math.h>
 #include <stddef.h>

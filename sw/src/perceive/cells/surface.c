@@ -7,8 +7,6 @@
 
 #include "common/depth.h"
 #include "common/plane_fit.h"
-#include "perceive/cells/ground_plane.h"
-#include "perceive/cells/inclination.h"
 #include "perceive/scales.h"
 
 #define GROUND_STEP_M 0.35 /* cells above the plane by this, too, stand; at most 6 % of the range */

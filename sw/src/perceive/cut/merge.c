@@ -1,4 +1,5 @@
-#include "perceive/cut/merge.h"
+/* Undoing false cuts: a boundary without a jump in disparity is no object boundary. */
+#include "perceive/cut/segmentation.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -6,10 +6,8 @@
 #include <stdint.h>
 
 #include "common/depth.h"
-#include "common/disjoint_sets.h"
 #include "perceive/cells/cells.h"
 #include "perceive/cells/surface.h"
-#include "perceive/cut/seeds.h"
 #include "perceive/scales.h"
 #include "vista/parameters.h"
 #include "vista/types.h"
@@ -28,12 +26,6 @@ static inline bool vista_seed_is_smooth(const vista_segmentation_params *params,
   const float flat_px = (float)params->seed_step_px + (float)SEED_STEP_SLOPE * distance_px;
   return step_px <= multiple * flat_px ||
          step_px <= multiple * vista_depth_step_px(camera, disparity_px, (float)VISTA_RELIEF_M);
-}
-
-/* Makes one set of those of nodes a and b. */
-static inline void vista_seeds_join(vista_seeds *seeds, int32_t a, int32_t b) {
-  const int32_t gone = vista_sets_join(seeds->parent, a, b);
-  if (gone >= 0) seeds->area_px2[seeds->parent[gone]] += seeds->area_px2[gone];
 }
 
 #endif

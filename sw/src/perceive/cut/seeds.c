@@ -37,6 +37,12 @@ vista_status vista_seeds_layout(vista_seeds *seeds, vista_arena *arena, const vi
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
+/* Makes one set of those of nodes a and b. */
+static void join(vista_seeds *seeds, int32_t a, int32_t b) {
+  const int32_t gone = vista_sets_join(seeds->parent, a, b);
+  if (gone >= 0) seeds->area_px2[seeds->parent[gone]] += seeds->area_px2[gone];
+}
+
 /* Each node in `order` that is the first of a large enough set opens a seed; the others follow their root. */
 static void number_seeds(vista_seeds *seeds, int32_t node_count, const int32_t *order, int32_t order_count,
                          double min_area_px2) {
@@ -126,7 +132,7 @@ static void bridge_gaps(const vista_frame_view *frame, const vista_cells *cells,
       if (gap_px > seen_px(bridge, vista_smaller(d[a], d[b]))) continue;
       if (vista_seed_is_smooth(params, camera, vista_smaller(gap_px, FARTHEST_STEP_PX), vista_larger(d[a], d[b]), 1.0f,
                                fabsf(d[a] - d[b])))
-        vista_seeds_join(seeds, a, b);
+        join(seeds, a, b);
     }
   }
 }
@@ -211,7 +217,7 @@ void vista_seeds_of_obstacles(const vista_frame_view *frame, const vista_cells *
       if (j < i || !vista_standing(cells, surfaces, j)) continue;
       if (vista_seed_is_smooth(params, frame->camera, foveation->arc_distance_px[arc], vista_larger(d[i], d[j]), 1.0f,
                                fabsf(d[i] - d[j])))
-        vista_seeds_join(seeds, i, j);
+        join(seeds, i, j);
     }
   }
   bridge_gaps(frame, cells, surfaces, seeds);
@@ -242,7 +248,7 @@ void vista_seeds_of_rest(const vista_frame_view *frame, const vista_affinity *af
     for (int32_t arc = graph->first_arc[i]; arc < graph->first_arc[i + 1]; ++arc) {
       const int32_t j = graph->head[arc];
       if (j < i || label[j] >= 0 || surfaces->horizontal[i] != surfaces->horizontal[j]) continue;
-      if (affinity->weight[arc] >= (float)REST_AFFINITY) vista_seeds_join(seeds, i, j);
+      if (affinity->weight[arc] >= (float)REST_AFFINITY) join(seeds, i, j);
     }
   }
   number_seeds(seeds, graph->node_count, seeds->order, count, VISTA_HALF_BLOCK_PX2);

@@ -5,7 +5,6 @@
 #include <stddef.h>
 
 #include "common/plane_fit.h"
-#include "perceive/cut/merge.h"
 #include "perceive/cut/seed_step.h"
 #include "perceive/cut/spanning_forest.h"
 #include "perceive/scales.h"

@@ -25,7 +25,7 @@
 
 #define VISTA_NO_LABEL (-1)
 
-struct vista_merge; /* merge.h */
+typedef struct vista_merge vista_merge; /* working memory of merge.c, nothing kept from call to call */
 struct vista_spanning_forest; /* spanning_forest.h */
 
 typedef struct vista_segmentation {
@@ -43,7 +43,7 @@ typedef struct vista_segmentation {
   uint8_t *source_side;
   float *carried_px; /* scratch, node_count */
   int32_t *capacity;         /* scratch, graph.arc_count: of the free nodes' arcs */
-  struct vista_merge *merge; /* scratch */
+  vista_merge *merge; /* scratch */
   struct vista_spanning_forest *forest; /* scratch */
 } vista_segmentation;
 
@@ -52,5 +52,14 @@ vista_status vista_segmentation_layout(vista_segmentation *segmentation, vista_a
 
 vista_status vista_segment(const vista_frame_view *frame, const vista_cells *cells, const vista_surfaces *surfaces,
                            const vista_affinity *affinity, vista_segmentation *segmentation);
+
+/* *merge is NULL while the arena counts. */
+vista_status vista_merge_layout(const vista_foveation *foveation, vista_arena *arena, vista_merge **merge);
+
+/* Joins regions whose common boundary is smooth: most of the edges across it, and a share of the shorter perimeter,
+ * step by less than merge_ratio times a seed's step. label: of each node, 0 .. region_count - 1 or negative; changed in
+ * place. Returns the new number of regions; labels stay dense and in order. */
+int32_t vista_merge_regions(vista_merge *merge, const vista_frame_view *frame, const vista_cells *cells, int32_t *label,
+                            int32_t region_count);
 
 #endif

@@ -4,7 +4,6 @@
 #include <stdint.h>
 
 #include "common/numbers.h"
-#include "perceive/line/straight_lines.h"
 #include "perceive/scales.h"
 #include "vista/word.h"
 

@@ -6,7 +6,7 @@
 
 #include "perceive/cells/surface.h"
 #include "perceive/frame_view.h"
-#include "perceive/line/ridge.h"
+#include "perceive/line/straight_lines.h"
 #include "perceive/line/thin_line.h"
 
 /* A pixel along the line whose word is nearer than those beside it. */

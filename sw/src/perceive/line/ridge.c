@@ -1,4 +1,4 @@
-#include "perceive/line/ridge.h"
+#include "perceive/line/straight_lines.h"
 
 #include <math.h>
 #include <stddef.h>

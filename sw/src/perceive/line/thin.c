@@ -6,7 +6,6 @@
 #include "common/flight_path.h"
 #include "common/frame.h"
 #include "perceive/line/line_depth.h"
-#include "perceive/line/straight_lines.h"
 
 #define CONTRAST_NOISE 3.0 /* the contrast that counts in full is at least this many sigmas of the image's noise */
 

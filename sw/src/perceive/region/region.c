@@ -9,9 +9,6 @@
 #include "common/grouping.h"
 #include "common/word_blocks.h"
 #include "perceive/region/region_boundary.h"
-#include "perceive/region/region_evidence.h"
-#include "perceive/region/region_outline.h"
-#include "perceive/region/region_pixels.h"
 #include "perceive/scales.h"
 
 #define STANDING_MIN_FRACTION 0.3 /* a region of which less stands min_height_m above the ground lies on it */
@@ -175,7 +172,6 @@ static void judge_part(void *context, int32_t part, int32_t worker) {
   vista_region_view w = {.frame = j->frame,
                          .foveation = j->frame->foveation,
                          .params = &j->frame->params->region,
-                         .disparity = &j->frame->words,
                          .cells = j->cells,
                          .surfaces = j->surfaces,
                          .region_of_listed = j->partition->drawn->listed,

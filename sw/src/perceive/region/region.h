@@ -9,7 +9,7 @@
  * a block. A region that grew from no disparity of its own (segmentation->obstacle_count) is therefore often the
  * background of what stands before it. Its few words are those of its neighbours, so its verdict is unknown. A plain
  * region is the exception: its left edge, its right edge and the ground that it stands on agree on one depth
- * (region_outline.h).
+ * (region_outline.c).
  *
  * Two surfaces compete for each region: facing the camera, d = mode of the boundary pixels, and a plane,
  * d = a + slope_u u + slope_v v, fitted to the region's cells; the plane has to explain a tenth more of their area.

@@ -108,6 +108,12 @@ static inliers inliers_around(const uint32_t *bins, double center_px, double tol
   return summarise(count, sum, squares);
 }
 
+/* How far a cell is off a plane. */
+static double off_px(const vista_region_view *w, const vista_plane *plane, int32_t node) {
+  return (double)w->cells->disparity_px[node] -
+         vista_plane_at(plane, (double)w->foveation->center_u[node], (double)w->foveation->center_v[node]);
+}
+
 /* Plane through the region's cells, weighted by their area; cells far off the first fit are left out of a second.
  * *range_px: from the plane's nearest to its farthest disparity, were the cells spread evenly. */
 static bool fit_plane(const vista_region_view *w, vista_plane *plane, double *range_px) {
@@ -119,8 +125,7 @@ static bool fit_plane(const vista_region_view *w, vista_plane *plane, double *ra
       const double d = (double)w->cells->disparity_px[node];
       if (d < 0.0) continue;
       const double u = (double)w->foveation->center_u[node], v = (double)w->foveation->center_v[node];
-      const double residual = pass == 0 ? 0.0 : d - plane->offset - plane->slope_u * u - plane->slope_v * v;
-      if (fabs(residual) > 2.0 * w->tolerance_px) continue;
+      if (pass > 0 && fabs(off_px(w, plane, node)) > 2.0 * w->tolerance_px) continue;
       const double size = (double)w->foveation->size_px[node];
       vista_plane_fit_add(&fit, u, v, d, size * size);
       used++;
@@ -136,10 +141,8 @@ static double area_on(const vista_region_view *w, const vista_plane *plane) {
   double area = 0.0;
   for (int32_t m = 0; m < w->member_count; ++m) {
     const int32_t node = w->members[m];
-    const double size = (double)w->foveation->size_px[node], d = (double)w->cells->disparity_px[node];
-    const double expected = plane->offset + plane->slope_u * (double)w->foveation->center_u[node] +
-                            plane->slope_v * (double)w->foveation->center_v[node];
-    if (d >= 0.0 && fabs(d - expected) <= w->tolerance_px) area += size * size;
+    const double size = (double)w->foveation->size_px[node];
+    if (w->cells->disparity_px[node] >= 0.0f && fabs(off_px(w, plane, node)) <= w->tolerance_px) area += size * size;
   }
   return area;
 }
@@ -152,9 +155,7 @@ static bool seen_throughout(const vista_region_view *w, const vista_plane *plane
     for (int32_t m = 0; m < w->member_count; ++m) {
       const int32_t node = w->members[m];
       const double size = (double)w->foveation->size_px[node], d = (double)w->cells->disparity_px[node];
-      const double expected = plane->offset + plane->slope_u * (double)w->foveation->center_u[node] +
-                              plane->slope_v * (double)w->foveation->center_v[node];
-      if (d < 0.0 || fabs(d - expected) > w->tolerance_px) continue;
+      if (d < 0.0 || fabs(off_px(w, plane, node)) > w->tolerance_px) continue;
       if (pass == 0) {
         low = fmin(low, d);
         high = fmax(high, d);

@@ -1,4 +1,4 @@
-/* The boundary of a region against the surface that explains it best, internal to libvista. */
+/* What a region is judged by: its boundary, its words, its pixels and its outline. Internal to libvista. */
 #ifndef VISTA_SRC_REGION_BOUNDARY_H
 #define VISTA_SRC_REGION_BOUNDARY_H
 
@@ -28,7 +28,6 @@ typedef struct vista_region_view {
   const vista_frame_view *frame;
   const vista_foveation *foveation;
   const vista_region_params *params;
-  const vista_disparity_image *disparity;
   const vista_cells *cells;
   const vista_surfaces *surfaces;
   const int32_t *region_of_listed; /* a pixel of the mixed nodes, as the foveation lists them */
@@ -67,5 +66,31 @@ double vista_region_mode_px(const vista_region_view *view, int32_t low, int32_t 
 /* Fills the boundary's statistics in, the disparity as that at the region's first cell, and the surface; sets the
  * view's tolerance. False: no valid pixel there. */
 bool vista_region_measure_boundary(vista_region_view *view, vista_region *region, vista_plane *surface);
+
+/* region_evidence.c */
+/* Fills region->evidence in: the log-odds that each piece contributes. The boundary must have been measured. */
+void vista_region_weigh(const vista_region_view *view, bool seeded, vista_region *region);
+
+/* region_pixels.c */
+/* Finds, of the pixels that the image gives to the region, those on its surface; of cells without a disparity all
+ * that the image gives. view->pixels marks them. */
+void vista_region_find_pixels(const vista_region_view *view, const vista_plane *surface, vista_region *region);
+
+/* Keeps, of the pixels that were found last, those whose like is on the surface boundary_px to the left and to the
+ * right, too; of cells without a disparity all. */
+void vista_region_keep_inner_pixels(const vista_region_view *view, const vista_plane *surface, vista_region *region);
+
+/* region_outline.c */
+/* Whether region->label, which grew from no disparity of its own, owns its outline. It does when there is an upright
+ * surface such that
+ * - more than outline_fraction of what is visible of the region's foot lies on it, within foot_m of the ground's plane;
+ * - at least that share of its upper edge lies on it, or of its left and of its right edge; one of these two may be
+ *   outside of what is matched, if two thirds of the foot lie on it;
+ * - it reaches min_height_m above the ground's plane, and hardly beneath it.
+ * Then the region becomes plain and *surface is that surface, over pixels from (0, 0). The disparity and the boundary
+ * statistics of the region are those of the outline on it, in pixels along it. Arcs to cells of the same label are
+ * inside. */
+bool vista_region_owns_outline(vista_region_view *view, const int32_t *label, vista_region *region,
+                               vista_plane *surface);
 
 #endif

@@ -1,4 +1,4 @@
-#include "perceive/region/region_evidence.h"
+#include "perceive/region/region_boundary.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -7,7 +7,6 @@
 #include "common/plane_fit.h"
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
-#include "perceive/region/region_boundary.h"
 
 #define TOP_HEIGHT_M 0.8 /* words higher above the ground weigh more; at most in proportion to min_height_m */
 #define ODDS_STANDING 2.2 /* log-odds added by words that all stand min_height_m above the ground */

@@ -1,4 +1,14 @@
-#include "perceive/region/region_outline.h"
+/* Regions that only their outline tells: a plain wall before a plain sky.
+ *
+ * The interior of a smooth region cannot be matched, its edges can (paper, section II-D: the boundary decides). What
+ * stands on the ground and hides what is behind it has an outline on one upright surface (upright_plane.h), which may
+ * be seen at an angle: its left edge, its right edge, its upper edge, and the line where it meets the ground. An edge
+ * outside of what is matched tells nothing, for or against, nor does a horizontal upper edge, which has no words.
+ *
+ * Of background seen between things, at most some of these agree: sky reaches the top of the image, and its lower edge,
+ * on whatever is before it, is no foot on the ground. A plain patch of the ground has a foot, but beside it is more
+ * ground, and nothing that stands on that foot. */
+#include "perceive/region/region_boundary.h"
 
 #include <math.h>
 

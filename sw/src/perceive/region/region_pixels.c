@@ -1,4 +1,4 @@
-#include "perceive/region/region_pixels.h"
+#include "perceive/region/region_boundary.h"
 
 #include <math.h>
 
@@ -103,7 +103,7 @@ static inline void keep_on_surface(const vista_region_view *w, const vista_plane
 
 /* Takes those of a run's pixels out that are not inside. Blocks end with their run. */
 static inline void narrow_run(const vista_region_view *w, const vista_plane *surface, vista_run run, int16_t *own) {
-  const int16_t *const row = w->disparity->data + run.v_px * w->disparity->stride;
+  const int16_t *const row = w->frame->words.data + run.v_px * w->frame->words.stride;
   const double start_px = vista_plane_at(surface, run.u_px, run.v_px);
   const int32_t reach = (int32_t)VISTA_BOUNDARY_PX, width = w->foveation->width_px;
   int16_t copy[VISTA_WORD_BLOCK], inner[VISTA_WORD_BLOCK];

@@ -26,6 +26,7 @@
 #include "perceive/cells/foveation.h"
 #include "perceive/frame_view.h"
 #include "perceive/terrain/terrain_search.h"
+#include "vista/obstacle.h"
 #include "vista/status.h"
 
 typedef struct vista_terrain {
@@ -57,5 +58,13 @@ void vista_terrain_reset(vista_terrain *terrain);
 
 /* Looks for the surface in a frame, and asks where its path meets it. */
 void vista_terrain_update(const vista_frame_view *frame, const vista_cells *cells, vista_terrain *terrain);
+
+/* Makes an obstacle of the ground that is ahead. Its place is uncertain along the path, and across it by a share of the
+ * radius. False: the place is behind the camera. */
+bool vista_terrain_obstacle(const vista_frame_view *frame, const vista_terrain *terrain, vista_obstacle *obstacle);
+
+/* Whether something that shows at this point is a part of the ground that the path meets: a hillside may be a region,
+ * too, and its middle is not where it is met. */
+bool vista_terrain_bears(const vista_terrain *terrain, const vista_obstacle *obstacle, const double point_m[3]);
 
 #endif

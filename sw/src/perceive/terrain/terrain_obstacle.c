@@ -1,4 +1,5 @@
-#include "perceive/terrain/terrain_obstacle.h"
+/* The ground that the path meets as an obstacle of the map. */
+#include "perceive/terrain/terrain.h"
 
 #include <math.h>
 #include <stddef.h>
