@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
@@ -323,12 +324,14 @@ def test_the_list_names_families_and_rivals(tmp_path, capsys):
 @pytest.mark.slow
 def test_the_command_writes_records_film_mcap_and_page(tmp_path, capsys):
     options = ["--family", "boxes", "--first", "5", "--count", "1", "--rival", "none", "--films", "--mcap"]
-    assert call(capsys, "fly", tmp_path, *options, "--jobs", "1")[0] == 0
+    assert call(capsys, "fly", tmp_path, *options, "--name", "mission-3", "--jobs", "1")[0] == 0
     folder = tmp_path / "boxes_005_none"
     names = {path.name for path in folder.iterdir()}
     assert names == {"flight.jsonl", "flight.webm", "flight.mcap", "outcome.json"}
-    assert "no avoidance" in (tmp_path / "fly.html").read_text()
-    assert (tmp_path / "fly.json").exists()
+    assert '"said": "at ' in (folder / "outcome.json").read_text()
+    assert "no avoidance" in (tmp_path / "mission-3.html").read_text()
+    tables = json.loads((tmp_path / "mission-3.json").read_text())["tables"]
+    assert {table["name"] for table in tables} >= {"mission-3", "mission-3-families"}
 
 
 @pytest.mark.slow

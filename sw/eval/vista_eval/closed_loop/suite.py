@@ -5,19 +5,20 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any, NamedTuple
 
+import numpy as np
 from markupsafe import Markup
 from vista import native, parameters
 from vista.output import make_folder
 
 from vista_eval.cache import code_digest, digest_of, kept
 from vista_eval.closed_loop.film import Map, frame_of, write_film
-from vista_eval.closed_loop.loop import Conditions, Flight
+from vista_eval.closed_loop.loop import Conditions, Flight, Moment
 from vista_eval.closed_loop.outcome import NEAR_MISS_M, Outcome, first_wrong, outcome_of
 from vista_eval.closed_loop.places.catalog import CLEAR, FAMILIES
 from vista_eval.closed_loop.record import write_mcap, write_record
@@ -43,7 +44,8 @@ class Key(NamedTuple):
 class Flown(NamedTuple):
     outcome: Outcome
     folder: Path
-    still: bytes | None  # of the decision that a crash begins with, else of the nearest moment
+    still: bytes | None  # of the decision to look at first,
+    said: str  # and what it was
 
 
 def name_of(key: Key) -> str:
@@ -72,22 +74,35 @@ def fly_one(
             write_film(out / "flight.webm", flight)
         if mcap:
             write_mcap(out / "flight.mcap", flight)
-        still = still_of(flight)
+        moment = first_look(flight)
+        still = still_of(flight, moment)
         picture = None if still is None else base64.b64encode(still).decode()
-        return {"outcome": asdict(outcome_of(flight, rival.name)), "still": picture}
+        outcome = asdict(outcome_of(flight, rival.name))
+        return {"outcome": outcome, "still": picture, "said": said_of(moment)}
 
     found = kept(out / "outcome.json", digest, flown, as_found)
     still = found["still"]
-    return Flown(Outcome(**found["outcome"]), out, None if still is None else base64.b64decode(still))
+    picture = None if still is None else base64.b64decode(still)
+    return Flown(Outcome(**found["outcome"]), out, picture, found["said"])
 
 
 def as_found(content: Any) -> dict[str, Any]:
     return dict(content)
 
 
-def still_of(flight: Flight) -> bytes | None:
-    """A picture of the decision to look at first."""
-    moment = first_wrong(flight) or min(flight.moments, key=lambda m: m.near.distance_m)
+def first_look(flight: Flight) -> Moment:
+    """The decision that a crash begins with, else that of the nearest moment."""
+    return first_wrong(flight) or min(flight.moments, key=lambda m: m.near.distance_m)
+
+
+def said_of(moment: Moment) -> str:
+    """What was decided, and why."""
+    action = f"{moment.decision.action}, {moment.decision.why}".removesuffix(", ")
+    speed = float(np.linalg.norm(moment.state.velocity_m_s))
+    return f"at {moment.t_s:.1f} s and {speed:.1f} m/s: {action}"
+
+
+def still_of(flight: Flight, moment: Moment) -> bytes | None:
     if moment.record is None:
         return None
     return as_jpeg(frame_of(flight, Map(flight), moment, flight.moments.index(moment)))
@@ -112,7 +127,8 @@ class ClosedLoop:
 
     def scoring(self, results: list[Flown], values: parameters.Values) -> Scoring:
         outcomes = [flown.outcome for flown in results]
-        shown = [by_rival(outcomes), by_family(outcomes), by_speed(outcomes), losses(outcomes)]
+        made = [by_rival(outcomes), by_family(outcomes), by_speed(outcomes), losses(outcomes)]
+        shown = [replace(table, name=table.name.replace("fly", self.name)) for table in made]
         return Scoring(
             shown,
             page(results, shown, self.conditions, values),
@@ -289,5 +305,5 @@ def worst_section(flown: Flown) -> Section:
         link += Markup(', <a href="{0}/flight.webm">film</a>').format(flown.folder.name)
     assert flown.still is not None
     return Section(
-        title, text=link, pictures=[Picture(f"{found.speed_m_s:.1f} m/s, {found.time_s:.1f} s", flown.still)]
+        title, text=link, pictures=[Picture(f"{flown.said} (of {found.time_s:.1f} s)", flown.still)]
     )

@@ -101,6 +101,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="probability of each frame that two frames are lost",
     )
     parser.add_argument("--pose-noise", action="store_true", help="poses like those of a navigation filter")
+    parser.add_argument(
+        "--name",
+        default="fly",
+        metavar="NAME",
+        help="name of the page, its JSON and its tables (default fly)",
+    )
     parser.add_argument("--films", action="store_true", help="write a film of each flight")
     parser.add_argument("--mcap", action="store_true", help="write an MCAP file of each flight, for Foxglove")
     add_place(parser)
@@ -140,7 +146,12 @@ def execute(arguments: argparse.Namespace) -> int:
         for speed in arguments.speed or [None]
         for rival in arguments.rival
     ]
-    score(ClosedLoop(folder, keys, conditions, arguments.films, arguments.mcap), folder, values, place)
+    score(
+        ClosedLoop(folder, keys, conditions, arguments.films, arguments.mcap, arguments.name),
+        folder,
+        values,
+        place,
+    )
     return EXIT_OK
 
 
