@@ -144,13 +144,18 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   return (vista_plan_place){.ruling = in_view ? VISTA_PLAN_BY_UNKNOWN : VISTA_PLAN_BY_VIEW, .stood = seen != NULL};
 }
 
+/* Most places are told apart by one coordinate. */
+static bool is_same(const vista_plan_space *space, const double a_m[3], const double b_m[3]) {
+  const double same_m = SAME_SHARE * space->radius_m;
+  return fabs(a_m[0] - b_m[0]) <= same_m && vista_distance(a_m, b_m) <= same_m;
+}
+
 vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s) {
   const vista_obstacle *const mover = obstacle_at(space, true, point_m, after_s);
   if (mover != NULL)
     return (vista_plan_place){.ruling = VISTA_PLAN_BY_OBSTACLE, .obstacle_id = mover->id, .occupied = true};
   for (int32_t k = 0; k < space->looks; ++k)
-    if (vista_distance(space->looked[k].point_m, point_m) <= SAME_SHARE * space->radius_m)
-      return space->looked[k].place;
+    if (is_same(space, space->looked[k].point_m, point_m)) return space->looked[k].place;
   if (space->looks == VISTA_PLAN_LOOKS) return (vista_plan_place){.ruling = VISTA_PLAN_NOT_ASKED};
   vista_plan_looked *const looked = &space->looked[space->looks++];
   memcpy(looked->point_m, point_m, sizeof looked->point_m);

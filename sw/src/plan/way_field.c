@@ -145,11 +145,14 @@ static inline float solved(float a, float b, float length) {
   return 0.5f * (a + b + sqrtf(2.0f * length * length - apart * apart));
 }
 
-/* Goes through all cells, from one of the four corners. False: nothing became shorter. */
-static bool sweep(vista_planner *p, int32_t corner) {
+/* Goes through the cells from one of the four corners: the `number`-th time, from 1. Each row is gone through in both
+ * directions after it or a row beside it has become shorter for the last time, in `changed`; then nothing more can.
+ * False: nothing became shorter. */
+static bool sweep(vista_planner *p, int32_t corner, int32_t number, int32_t changed[GRID + 2]) {
   bool shorter = false;
   for (int32_t j = 0; j < GRID; ++j) {
     const int32_t y = corner & 2 ? GRID - 1 - j : j;
+    if (number > 2 && changed[y] < number - 2 && changed[y + 1] < number - 2 && changed[y + 2] < number - 2) continue;
     const float *const low = p->way[y] + 1, *const high = p->way[y + 2] + 1, *const length = p->length[y];
     float *const way = p->way[y + 1] + 1;
     for (int32_t i = 0; i < GRID; ++i) {
@@ -158,6 +161,7 @@ static bool sweep(vista_planner *p, int32_t corner) {
       if (!(found < way[x])) continue;
       shorter |= found < way[x] - SHORTER_MIN;
       way[x] = found;
+      changed[y + 1] = number;
     }
   }
   return shorter;
@@ -183,9 +187,10 @@ void vista_plan_spread(vista_planner *p, const vista_plan_state *state, const do
   lengths(p, state);
   begin(p, goal);
   bool shorter = true;
+  int32_t changed[GRID + 2] = {0};
   for (int32_t k = 0; shorter && k < ROUNDS; ++k) {
     shorter = false;
-    for (int32_t corner = 0; corner < 4; ++corner) shorter |= sweep(p, corner);
+    for (int32_t corner = 0; corner < 4; ++corner) shorter |= sweep(p, corner, 4 * k + corner + 1, changed);
   }
 }
 
