@@ -56,6 +56,8 @@ lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated 
 	@for d in "16 5 320" "32 11 1024"; do set -- $$d; \
 	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 -GMaxWidth=$$3 -GFrontEnd=1 --top-module vista_stereo \
 	    rtl/lint/verilator.vlt -f rtl/vista_stereo.f || exit 1; done
+	@$(VERILATOR) --lint-only --quiet -Wall -GMaxWidth=320 -GFrontEnd=1 -GParity=1 --top-module vista_stereo \
+	  rtl/lint/verilator.vlt -f rtl/vista_stereo.f
 	@for top in vista_smooth vista_pyramid vista_rectify; do for w in 32 1024; do \
 	  $(VERILATOR) --lint-only --quiet -Wall -GMaxWidth=$$w --top-module $$top rtl/lint/verilator.vlt \
 	    -f rtl/vista_frontend.f || exit 1; done; done

@@ -2,8 +2,10 @@
 rtl/src/vista_stereo_pkg.sv
 rtl/src/vista_skid.sv
 rtl/src/vista_frame_input.sv
+rtl/src/vista_memory.sv
 rtl/src/vista_line_store.sv
 rtl/src/vista_delay.sv
+rtl/src/vista_delay_ring.sv
 rtl/src/vista_framer.sv
 rtl/src/vista_match_slots.sv
 rtl/src/vista_prefilter.sv

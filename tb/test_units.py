@@ -20,7 +20,8 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_camera_fifo", {"Width": 18, "Depth": 8}),
     ("vista_camera_fifo", {"Width": 18, "Depth": 32}),
     ("vista_delay", {"Width": 8, "Latency": 1}),
-    ("vista_delay", {"Width": 8, "Latency": 21}),
+    ("vista_delay_ring", {"Width": 8, "Latency": 21}),
+    ("vista_memory", {"Width": 37, "Depth": 12, "Parity": 1}),
     ("vista_winner", {"NumDisparities": 48, "CostW": 13}),
     ("vista_uniqueness_bound", {"CostW": 17}),
     ("vista_uniqueness", {"NumDisparities": 16, "CostW": 13}),
@@ -45,13 +46,28 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_rectify", {"MaxWidth": 40, "NumRows": 16, "MaxPoints": 16, "SideWidth": 8}),
     ("vista_rectify", {"MaxWidth": 64, "NumRows": 32, "MaxPoints": 64, "SideWidth": 8}),
     (
+        "parity",
+        {
+            "NumDisparities": 16,
+            "BlockSize": 5,
+            "MaxWidth": 64,
+            "FrontEnd": 1,
+            "NumRows": 16,
+            "MaxPoints": 64,
+            "Parity": 1,
+        },
+    ),
+    (
         "front_end",
         {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 64, "NumRows": 16, "MaxPoints": 64},
     ),
 ]
+TOPS = {"parity": "vista_stereo"}  # of benches that do not have the name of their module
+BENCHES = {"vista_delay_ring": "delay"}
+OWN_MEMORY = ("vista_memory", "vista_line_store", "parity")  # the others have that of the benches
 LISTS = {
     "vista_camera_fifo": "vista_camera_fifo.f",
-    **dict.fromkeys(("vista_stereo", "vista_registers"), "vista_stereo.f"),
+    **dict.fromkeys(("vista_stereo", "vista_registers", "parity"), "vista_stereo.f"),
     **dict.fromkeys(
         ("vista_smooth", "vista_reduce", "vista_pyramid", "vista_rectify", "front_end"), "vista_frontend.f"
     ),
@@ -62,7 +78,7 @@ def files_of(module: str) -> list[Path]:
     """What a module is built from; one that is of the benches comes last."""
     harness = Path(__file__).parent / "common" / f"{module}.sv"
     files = LISTS.get(module, "vista_stereo_core.f")
-    if module == "vista_line_store":
+    if module in OWN_MEMORY:
         return sources(files)
     return bench_sources(files) + ([harness] if harness.is_file() else [])
 
@@ -100,13 +116,16 @@ def run_unit(
     waves = "VISTA_WAVES" in os.environ
     # Most benches are shorter than what a compiler takes to optimise their module.
     optimised = "-O1" if LISTS.get(module) == "vista_frontend.f" else "-O0"
+    # Upset bits are what the properties exclude.
+    flags = [flag for flag in VERILATOR_FLAGS if module != "parity" or flag != "-DVISTA_ASSERT"]
     runner = get_runner("verilator")
     runner.build(
-        sources=files, hdl_toplevel=module, parameters=parameters, build_dir=folder, waves=waves,
-        build_args=[*VERILATOR_FLAGS, "-CFLAGS", optimised], log_file=folder.with_suffix(".log"),
+        sources=files, hdl_toplevel=TOPS.get(module, module), parameters=parameters, build_dir=folder,
+        waves=waves, build_args=[*flags, "-CFLAGS", optimised], log_file=folder.with_suffix(".log"),
     )  # fmt: skip
     results = runner.test(
-        hdl_toplevel=module, test_module=f"bench_{module.removeprefix('vista_')}", build_dir=folder,
+        hdl_toplevel=TOPS.get(module, module), build_dir=folder,
+        test_module=f"bench_{BENCHES.get(module, module.removeprefix('vista_'))}",
         test_dir=folder, waves=waves, plusargs=RANDOM_START,
         extra_env={f"VISTA_{k.upper()}": str(v) for k, v in parameters.items()}, log_file=folder / "run.log",
     )  # fmt: skip

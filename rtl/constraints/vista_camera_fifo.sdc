@@ -5,4 +5,4 @@ set_max_delay $period -from [get_cells *u_camera_fifo/write_gray_q*] -to [get_ce
 set_max_delay $period -from [get_cells *u_camera_fifo/read_gray_q*] -to [get_cells *u_camera_fifo/read_gray_meta_q*]
 set_min_delay 0 -from [get_cells *u_camera_fifo/write_gray_q*] -to [get_cells *u_camera_fifo/write_gray_meta_q*]
 set_min_delay 0 -from [get_cells *u_camera_fifo/read_gray_q*] -to [get_cells *u_camera_fifo/read_gray_meta_q*]
-set_max_delay $period -from [get_cells *u_camera_fifo/mem*] -to [get_cells *u_camera_fifo/data_o*]
+set_max_delay $period -from [get_cells *u_camera_fifo/u_memory/mem*] -to [get_cells *u_camera_fifo/u_memory/read_q*]

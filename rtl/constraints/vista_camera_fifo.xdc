@@ -13,4 +13,4 @@ set_property ASYNC_REG true [get_cells {write_gray_meta_q_reg[*] write_gray_read
 set_property ASYNC_REG true [get_cells {read_gray_meta_q_reg[*] read_gray_write_q_reg[*]}]
 
 # What is read was written two clocks of the reader before.
-set_max_delay -datapath_only $period -from [get_clocks -of_objects [get_ports pixel_clk_i]] -to [get_cells data_o_reg[*]]
+set_max_delay -datapath_only $period -from [get_clocks -of_objects [get_ports pixel_clk_i]] -to [get_cells u_memory/read_q_reg[*]]

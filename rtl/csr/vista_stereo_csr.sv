@@ -252,6 +252,10 @@ module vista_stereo_csr (
                 logic next;
                 logic load_next;
             } map_size;
+            struct {
+                logic next;
+                logic load_next;
+            } upset;
         } ERRORS;
         struct {
             struct {
@@ -430,6 +434,9 @@ module vista_stereo_csr (
             struct {
                 logic value;
             } map_size;
+            struct {
+                logic value;
+            } upset;
         } ERRORS;
         struct {
             struct {
@@ -954,6 +961,32 @@ module vista_stereo_csr (
         end
     end
     assign hwif_out.ERRORS.map_size.value = field_storage.ERRORS.map_size.value;
+    // Field: vista_stereo_csr.ERRORS.upset
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.ERRORS.upset.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.ERRORS && decoded_req_is_wr) begin // SW write 1 clear
+            next_c = field_storage.ERRORS.upset.value & ~(decoded_wr_data[8:8] & decoded_wr_biten[8:8]);
+            load_next_c = '1;
+        end else if(hwif_in.ERRORS.upset.hwset) begin // HW Set
+            next_c = '1;
+            load_next_c = '1;
+        end
+        field_combo.ERRORS.upset.next = next_c;
+        field_combo.ERRORS.upset.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.ERRORS.upset.value <= 1'h0;
+        end else begin
+            if(field_combo.ERRORS.upset.load_next) begin
+                field_storage.ERRORS.upset.value <= field_combo.ERRORS.upset.next;
+            end
+        end
+    end
+    assign hwif_out.ERRORS.upset.value = field_storage.ERRORS.upset.value;
     // Field: vista_stereo_csr.OUTPUT.narrow
     always_comb begin
         automatic logic [0:0] next_c;
@@ -1451,12 +1484,13 @@ module vista_stereo_csr (
             readback_data_var[31:0] = 32'h56535445;
         end
         if(rd_mux_addr == 7'h4) begin
-            readback_data_var[15:0] = 16'h2;
+            readback_data_var[15:0] = 16'h3;
             readback_data_var[31:16] = 16'h2;
         end
         if(rd_mux_addr == 7'h8) begin
             readback_data_var[8:0] = hwif_in.BUILD.num_disparities.next;
             readback_data_var[20:16] = hwif_in.BUILD.block_size.next;
+            readback_data_var[24] = hwif_in.BUILD.parity.next;
         end
         if(rd_mux_addr == 7'hc) begin
             readback_data_var[15:0] = hwif_in.BUILD_SIZE.max_width.next;
@@ -1493,6 +1527,7 @@ module vista_stereo_csr (
             readback_data_var[5] = field_storage.ERRORS.no_map.value;
             readback_data_var[6] = field_storage.ERRORS.map_rows.value;
             readback_data_var[7] = field_storage.ERRORS.map_size.value;
+            readback_data_var[8] = field_storage.ERRORS.upset.value;
         end
         if(rd_mux_addr == 7'h2c) begin
             readback_data_var[0] = field_storage.OUTPUT.narrow.value;

@@ -17,8 +17,13 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__BUILD__block_size__in_t;
 
     typedef struct {
+        logic next;
+    } vista_stereo_csr__BUILD__parity__in_t;
+
+    typedef struct {
         vista_stereo_csr__BUILD__num_disparities__in_t num_disparities;
         vista_stereo_csr__BUILD__block_size__in_t block_size;
+        vista_stereo_csr__BUILD__parity__in_t parity;
     } vista_stereo_csr__BUILD__in_t;
 
     typedef struct {
@@ -67,6 +72,10 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__ERRORS__map_size__in_t;
 
     typedef struct {
+        logic hwset;
+    } vista_stereo_csr__ERRORS__upset__in_t;
+
+    typedef struct {
         vista_stereo_csr__ERRORS__early_eol__in_t early_eol;
         vista_stereo_csr__ERRORS__late_eol__in_t late_eol;
         vista_stereo_csr__ERRORS__early_sof__in_t early_sof;
@@ -75,6 +84,7 @@ package vista_stereo_csr_pkg;
         vista_stereo_csr__ERRORS__no_map__in_t no_map;
         vista_stereo_csr__ERRORS__map_rows__in_t map_rows;
         vista_stereo_csr__ERRORS__map_size__in_t map_size;
+        vista_stereo_csr__ERRORS__upset__in_t upset;
     } vista_stereo_csr__ERRORS__in_t;
 
     typedef struct {
@@ -271,6 +281,10 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__ERRORS__map_size__out_t;
 
     typedef struct {
+        logic value;
+    } vista_stereo_csr__ERRORS__upset__out_t;
+
+    typedef struct {
         vista_stereo_csr__ERRORS__early_eol__out_t early_eol;
         vista_stereo_csr__ERRORS__late_eol__out_t late_eol;
         vista_stereo_csr__ERRORS__early_sof__out_t early_sof;
@@ -279,6 +293,7 @@ package vista_stereo_csr_pkg;
         vista_stereo_csr__ERRORS__no_map__out_t no_map;
         vista_stereo_csr__ERRORS__map_rows__out_t map_rows;
         vista_stereo_csr__ERRORS__map_size__out_t map_size;
+        vista_stereo_csr__ERRORS__upset__out_t upset;
     } vista_stereo_csr__ERRORS__out_t;
 
     typedef struct {

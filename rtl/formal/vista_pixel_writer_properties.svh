@@ -46,7 +46,7 @@ always_ff @(posedge clk_i) begin
     f_end   <= result_end_i;
   end
   f_waited <= valid_o & ~ready_i;
-  f_held   <= word_q;
+  f_held   <= word;
   // What the result of this clock has to become.
   f_loaded <= result_valid_i & (~result_cut_i | result_sof_i | (f_count != 2'd3));
   f_data   <= result_data_i;
@@ -84,9 +84,9 @@ always_comb begin
     // In order, once each.
     assert (f_in - f_out == 6'(level_q) + 6'(valid_o));
     assert (f_seen == (f_place < f_in - f_out));
-    if (f_seen && f_place == 0 && valid_o) assert (word_q == f_word);
-    if (f_seen && !(f_place == 0 && valid_o)) assert (mem[valid_o ? f_at : read_ptr_q + PtrW'(f_place)] == f_word);
-    if (f_waited) assert (valid_o && word_q == f_held);
+    if (f_seen && f_place == 0 && valid_o) assert (word == f_word);
+    if (f_seen && !(f_place == 0 && valid_o)) assert (WordW'(u_waiting.mem[valid_o ? f_at : read_ptr_q + PtrW'(f_place)]) == f_word);
+    if (f_waited) assert (valid_o && word == f_held);
 
     // From the result to the pixel that is handed over.
     if (f_loaded) assert (hold_valid_q && hold_data_q == f_data && hold_sof_q == f_sof && hold_eol_q == f_eol);

@@ -9,7 +9,8 @@
 
 module vista_camera_fifo #(
   parameter int unsigned Width = 18,
-  parameter int unsigned Depth = 32  // a power of two, 8 or more
+  parameter int unsigned Depth = 32,  // a power of two, 8 or more
+  parameter bit Parity = 1'b0
 ) (
   input  logic             pixel_clk_i,
   input  logic             pixel_rst_ni,
@@ -21,7 +22,8 @@ module vista_camera_fifo #(
   input  logic             rst_ni,
   output logic             valid_o,
   input  logic             ready_i,
-  output logic [Width-1:0] data_o
+  output logic [Width-1:0] data_o,
+  output logic             upset_o        // of the memory
 );
 
   localparam int unsigned PtrW = $clog2(Depth);
@@ -33,9 +35,6 @@ module vista_camera_fifo #(
   function automatic logic [PtrW:0] gray(logic [PtrW:0] number);
     return number ^ (number >> 1);
   endfunction
-
-  (* ram_style = "distributed" *)
-  logic [Width-1:0] mem[Depth];
 
   logic [PtrW:0] write_q, write_gray_q, write_gray_meta_q, write_gray_read_q;
   logic [PtrW:0] read_q, read_gray_q, read_gray_meta_q, read_gray_write_q;
@@ -49,9 +48,8 @@ module vista_camera_fifo #(
     read_gray_write_q <= read_gray_meta_q;
     lost_o            <= valid_i & full;
     if (store) begin
-      mem[write_q[PtrW-1:0]] <= data_i;
-      write_q                <= write_q + 1'b1;
-      write_gray_q           <= gray(write_q + 1'b1);
+      write_q      <= write_q + 1'b1;
+      write_gray_q <= gray(write_q + 1'b1);
     end
     if (!pixel_rst_ni) begin
       write_q           <= '0;
@@ -62,6 +60,23 @@ module vista_camera_fifo #(
     end
   end
 
+  vista_memory #(
+    .Width   (Width),
+    .Depth   (Depth),
+    .KeepOld (1'b1),  // what is read was written two clocks before
+    .Parity  (Parity)
+  ) u_memory (
+    .write_clk_i  (pixel_clk_i),
+    .write_i      (store),
+    .write_addr_i (write_q[PtrW-1:0]),
+    .write_data_i (data_i),
+    .clk_i,
+    .read_i       (take),
+    .read_addr_i  (read_q[PtrW-1:0]),
+    .read_data_o  (data_o),
+    .upset_o
+  );
+
   assign empty = (read_gray_q == write_gray_read_q);
   assign take  = ~empty & (~valid_o | ready_i);
 
@@ -69,7 +84,6 @@ module vista_camera_fifo #(
     write_gray_meta_q <= write_gray_q;
     write_gray_read_q <= write_gray_meta_q;
     if (take) begin
-      data_o      <= mem[read_q[PtrW-1:0]];
       read_q      <= read_q + 1'b1;
       read_gray_q <= gray(read_q + 1'b1);
     end

@@ -49,7 +49,6 @@ module vista_candidate #(
     .Latency (WinnerLatency + ThresholdLatency)
   ) u_costs (
     .clk_i,
-    .rst_ni,
     .data_i (cost_i),
     .data_o (cost)
   );
@@ -73,7 +72,6 @@ module vista_candidate #(
     .Latency (ThresholdLatency - 1)
   ) u_winner_ahead (
     .clk_i,
-    .rst_ni,
     .data_i (winner),
     .data_o (winner_ahead)
   );
@@ -108,7 +106,6 @@ module vista_candidate #(
     .Latency (ThresholdLatency + UniquenessLatency)
   ) u_to_subpixel (
     .clk_i,
-    .rst_ni,
     .data_i ({winner, smin}),
     .data_o ({winner_subpixel, smin_subpixel})
   );
@@ -118,7 +115,6 @@ module vista_candidate #(
     .IndexW (IndexW)
   ) u_subpixel (
     .clk_i,
-    .rst_ni,
     .winner_i    (winner_subpixel),
     .smin_i      (smin_subpixel),
     .previous_i  (cost_previous),
@@ -131,7 +127,6 @@ module vista_candidate #(
     .Latency (SubpixelLatency)
   ) u_past_subpixel (
     .clk_i,
-    .rst_ni,
     .data_i ({winner_subpixel, smin_subpixel, rival}),
     .data_o ({winner_o, smin_o, rival_o})
   );

@@ -16,6 +16,7 @@ module vista_cost_columns #(
   parameter int unsigned NumDisparities = 32,
   parameter int unsigned BlockSize = 11,
   parameter int unsigned MaxWidth = 1024,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned PixelW = vista_stereo_pkg::PixelW,
   localparam int unsigned TextureW = vista_stereo_pkg::TextureW,
@@ -34,7 +35,8 @@ module vista_cost_columns #(
   input  logic [TextureW-1:0]     texture_leaving_i,
 
   output vista_stereo_pkg::slot_t               slot_o,
-  output logic [NumDisparities:0][ColumnW-1:0]  column_o
+  output logic [NumDisparities:0][ColumnW-1:0]  column_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_stereo_pkg::*;
@@ -113,7 +115,8 @@ module vista_cost_columns #(
 
   vista_line_store #(
     .Width     ((NumDisparities + 1) * ColumnW),
-    .Depth     (MaxWidth)
+    .Depth     (MaxWidth),
+    .Parity    (Parity)
   ) u_sums (
     .clk_i,
     .clear_i      (1'b0),
@@ -121,7 +124,8 @@ module vista_cost_columns #(
     .write_col_i  (col4_q),
     .write_data_i (column_o),
     .read_col_i   (col1_q),
-    .read_data_o  (stored_q)
+    .read_data_o  (stored_q),
+    .upset_o      (upset_o)
   );
 
   for (genvar c = 0; c <= NumDisparities; c++) begin : gen_column

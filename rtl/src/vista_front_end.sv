@@ -16,6 +16,7 @@ module vista_front_end #(
   parameter int unsigned NumRows = 64,      // of the line buffer of rectification: 16, 32, 64 or 128
   parameter int unsigned MaxPoints = 2048,  // control points of a camera; rounded up to a power of two
   parameter int unsigned SideWidth = 1,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW
 ) (
@@ -83,13 +84,16 @@ module vista_front_end #(
   logic straight_smooth, level_smooth;
   logic [SideWidth-1:0] straight_side, level_side;
 
+  logic [2:0] upset;
+  assign events_o.upset     = |upset;
   assign events_o.frame_end = 1'b0;
 
   vista_rectify #(
     .MaxWidth  (MaxWidth),
     .NumRows   (NumRows),
     .MaxPoints (MaxPoints),
-    .SideWidth (4 + SideWidth)
+    .SideWidth (4 + SideWidth),
+    .Parity    (Parity)
   ) u_rectify (
     .clk_i,
     .rst_ni,
@@ -129,12 +133,14 @@ module vista_front_end #(
     .error_late_eol_o   (events_o.late_eol),
     .error_early_sof_o  (events_o.early_sof),
     .error_late_sof_o   (events_o.late_sof),
-    .error_size_o       (events_o.size)
+    .error_size_o       (events_o.size),
+    .upset_o            (upset[0])
   );
 
   vista_pyramid #(
     .MaxWidth  (MaxWidth),
-    .SideWidth (1 + SideWidth)
+    .SideWidth (1 + SideWidth),
+    .Parity    (Parity)
   ) u_pyramid (
     .clk_i,
     .rst_ni,
@@ -173,12 +179,14 @@ module vista_front_end #(
     .error_late_eol_o  (),
     .error_early_sof_o (),
     .error_late_sof_o  (),
-    .error_size_o      ()
+    .error_size_o      (),
+    .upset_o           (upset[1])
   );
 
   vista_smooth #(
     .MaxWidth  (MaxWidth),
-    .SideWidth (SideWidth)
+    .SideWidth (SideWidth),
+    .Parity    (Parity)
   ) u_smooth (
     .clk_i,
     .rst_ni,
@@ -205,7 +213,8 @@ module vista_front_end #(
     .error_late_eol_o  (),
     .error_early_sof_o (),
     .error_late_sof_o  (),
-    .error_size_o      ()
+    .error_size_o      (),
+    .upset_o           (upset[2])
   );
 
 endmodule

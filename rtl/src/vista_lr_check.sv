@@ -12,6 +12,7 @@ module vista_lr_check #(
   parameter int unsigned NumDisparities = 32,
   parameter int unsigned CostW = 15,
   parameter int unsigned RingW = 6,
+  parameter bit Parity = 1'b0,
   localparam int unsigned IndexW = $clog2(NumDisparities),
   localparam int unsigned DisparityW = vista_stereo_pkg::DisparityW,
   localparam int unsigned SminW = vista_stereo_pkg::SminW
@@ -37,7 +38,8 @@ module vista_lr_check #(
 
   output logic                         valid_o,
   output logic signed [DisparityW-1:0] disparity_o,
-  output logic [SminW-1:0]             smin_o
+  output logic [SminW-1:0]             smin_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_stereo_pkg::*;
@@ -72,9 +74,13 @@ module vista_lr_check #(
   logic [CostW-1:0] smin2, smin3_q, smin4_q, smin5_q;
   logic signed [DisparityW-1:0] disparity2, disparity3_q, disparity4_q, disparity5_q;
 
+  logic candidate_upset, right_upset;
+  assign upset_o = candidate_upset | right_upset;
+
   vista_line_store #(
     .Width (1 + IndexW + CostW + DisparityW),
-    .Depth (2 ** RingW)
+    .Depth (2 ** RingW),
+    .Parity(Parity)
   ) u_candidates (
     .clk_i,
     .clear_i      (1'b0),
@@ -82,13 +88,15 @@ module vista_lr_check #(
     .write_col_i  (candidate_index_i),
     .write_data_i ({candidate_ok_i, candidate_winner_i, candidate_smin_i, candidate_disparity_i}),
     .read_col_i   (index0 - RingW'(NumDisparities - 1)),
-    .read_data_o  ({ok2, winner2, smin2, disparity2})
+    .read_data_o  ({ok2, winner2, smin2, disparity2}),
+    .upset_o      (candidate_upset)
   );
 
   // 3, 4: the right winner out of the other.
   vista_line_store #(
     .Width (IndexW),
-    .Depth (2 ** RingW)
+    .Depth (2 ** RingW),
+    .Parity(Parity)
   ) u_right_winners (
     .clk_i,
     .clear_i      (1'b0),
@@ -96,7 +104,8 @@ module vista_lr_check #(
     .write_col_i  (slot_index_i),
     .write_data_i (right_winner_i),
     .read_col_i   (index2_q - RingW'(winner2)),
-    .read_data_o  (right_winner4)
+    .read_data_o  (right_winner4),
+    .upset_o      (right_upset)
   );
 
   always_ff @(posedge clk_i) begin

@@ -13,6 +13,7 @@
 module vista_pixel_writer #(
   parameter int unsigned SideWidth = 24,
   parameter int unsigned InFlight = 10,
+  parameter bit Parity = 1'b0,
   localparam int unsigned DataW = 2 * vista_stereo_pkg::PixelW,
   localparam int unsigned PtrW = $clog2(InFlight + 2)
 ) (
@@ -33,7 +34,8 @@ module vista_pixel_writer #(
   output logic                 sof_o,
   output logic                 eol_o,
   output logic [DataW-1:0]     data_o,
-  output logic [SideWidth-1:0] side_o  // of the frame that is leaving; changes when its first pixel is offered
+  output logic [SideWidth-1:0] side_o,  // of the frame that is leaving; changes when its first pixel is offered
+  output logic upset_o  // of a memory
 );
 
   localparam int unsigned Depth = 2 ** PtrW;
@@ -70,25 +72,32 @@ module vista_pixel_writer #(
   end
 
   // What waits for the reader.
-  (* ram_style = "distributed" *) logic [WordW-1:0] mem[Depth];
   logic [PtrW-1:0] write_ptr_q, read_ptr_q;
   logic [PtrW:0]    level_q;
   logic             read;
-  logic [WordW-1:0] head, word_q;
+  logic [WordW-1:0] word;
 
   assign read = (level_q != '0) & (~valid_o | ready_i);
-  assign head = mem[read_ptr_q];
 
-  always_ff @(posedge clk_i) begin
-    if (write) mem[write_ptr_q] <= {hold_side_q, hold_sof_q, write_eol, hold_data_q};
-  end
+  vista_memory #(
+    .Width  (WordW),
+    .Depth  (Depth),
+    .Parity (Parity)
+  ) u_waiting (
+    .write_clk_i  (clk_i),
+    .write_i      (write),
+    .write_addr_i (write_ptr_q),
+    .write_data_i ({hold_side_q, hold_sof_q, write_eol, hold_data_q}),
+    .clk_i,
+    .read_i       (read),
+    .read_addr_i  (read_ptr_q),
+    .read_data_o  (word),
+    .upset_o
+  );
 
   always_ff @(posedge clk_i) begin
     if (write) write_ptr_q <= write_ptr_q + 1'b1;
-    if (read) begin
-      read_ptr_q <= read_ptr_q + 1'b1;
-      word_q     <= head;
-    end
+    if (read) read_ptr_q <= read_ptr_q + 1'b1;
     if (~valid_o | ready_i) valid_o <= read;
     level_q <= level_q + (PtrW + 1)'(write) - (PtrW + 1)'(read);
     go_o    <= 32'(level_q) < Depth - InFlight;
@@ -101,7 +110,7 @@ module vista_pixel_writer #(
     end
   end
 
-  assign {side_o, sof_o, eol_o, data_o} = word_q;
+  assign {side_o, sof_o, eol_o, data_o} = word;
 
 `ifdef VISTA_ASSERT
   `include "vista_pixel_writer_properties.svh"

@@ -10,6 +10,7 @@
 
 module vista_prefilter #(
   parameter int unsigned MaxWidth = 1024,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned PixelW = vista_stereo_pkg::PixelW,
   localparam int unsigned TextureW = vista_stereo_pkg::TextureW
@@ -30,7 +31,8 @@ module vista_prefilter #(
   output vista_stereo_pkg::params_t params_o,  // of the frame being matched
   output logic [PixelW-1:0]         left_o,
   output logic [PixelW-1:0]         right_o,
-  output logic [TextureW-1:0]       texture_o
+  output logic [TextureW-1:0]       texture_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_stereo_pkg::*;
@@ -46,7 +48,8 @@ module vista_prefilter #(
 
   vista_line_store #(
     .Width (2 * PairW),
-    .Depth (MaxWidth)
+    .Depth (MaxWidth),
+    .Parity(Parity)
   ) u_lines (
     .clk_i,
     .clear_i      (1'b0),
@@ -54,7 +57,8 @@ module vista_prefilter #(
     .write_col_i  (store_col2_q),
     .write_data_i ({middle2, below2_q}),
     .read_col_i   (slot_col_i),
-    .read_data_o  ({above2, middle2})
+    .read_data_o  ({above2, middle2}),
+    .upset_o      (upset_o)
   );
 
   always_ff @(posedge clk_i) begin

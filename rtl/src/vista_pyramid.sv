@@ -21,6 +21,7 @@
 module vista_pyramid #(
   parameter int unsigned MaxWidth = 1024,
   parameter int unsigned SideWidth = 1,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned DataW = 2 * vista_stereo_pkg::PixelW
@@ -72,7 +73,8 @@ module vista_pyramid #(
   output logic error_late_eol_o,
   output logic error_early_sof_o,
   output logic error_late_sof_o,
-  output logic error_size_o
+  output logic error_size_o,
+  output logic upset_o  // of a memory
 );
 
   if (SideWidth < 1) begin : gen_bad_side
@@ -181,7 +183,8 @@ module vista_pyramid #(
 
   // Errors of its input are those of the guard: it meets them in every level.
   vista_reduce #(
-    .MaxWidth(MaxWidth)
+    .MaxWidth (MaxWidth),
+    .Parity   (Parity)
   ) u_reduce (
     .clk_i,
     .rst_ni,
@@ -203,7 +206,8 @@ module vista_pyramid #(
     .error_late_eol_o  (),
     .error_early_sof_o (),
     .error_late_sof_o  (),
-    .error_size_o      ()
+    .error_size_o      (),
+    .upset_o           (upset_o)
   );
 
 endmodule

@@ -20,6 +20,7 @@ module vista_rectify #(
   parameter int unsigned NumRows = 64,  // 16, 32, 64 or 128
   parameter int unsigned MaxPoints = 2048,  // control points of a camera; rounded up to a power of two
   parameter int unsigned SideWidth = 1,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned PixelW = vista_stereo_pkg::PixelW,
@@ -73,7 +74,8 @@ module vista_rectify #(
   output logic error_late_eol_o,
   output logic error_early_sof_o,
   output logic error_late_sof_o,
-  output logic error_size_o
+  output logic error_size_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_stereo_pkg::*;
@@ -370,24 +372,30 @@ module vista_rectify #(
 
   logic [1:0][PixelW-1:0] pixels;
 
+  logic [1:0] points_upset, sample_upset;
+  logic writer_upset;
+  assign upset_o = |{points_upset, sample_upset, writer_upset};
+
   for (genvar i = 0; i < 2; i++) begin : gen_camera
     vista_rectify_points #(
-      .MaxPoints(MaxPoints)
+      .MaxPoints (MaxPoints),
+      .Parity    (Parity)
     ) u_points (
       .clk_i,
-      .rst_ni,
       .write_i      (map_write[i]),
       .write_addr_i (map_write_addr),
       .write_data_i (map_write_data),
       .on_i         (points_on),
       .j_i          (points_j),
       .addr_i       (points_addr),
-      .value_o      (values[i])
+      .value_o      (values[i]),
+      .upset_o      (points_upset[i])
     );
 
     vista_rectify_sample #(
       .MaxWidth (MaxWidth),
-      .NumRows  (NumRows)
+      .NumRows  (NumRows),
+      .Parity   (Parity)
     ) u_sample (
       .clk_i,
       .write_i      (store_valid),
@@ -403,7 +411,8 @@ module vista_rectify #(
       .last_x_i     (row_last_col),
       .last_y_i     (row_last_row),
       .base_i       (row_base[RingW-1:0]),
-      .pixel_o      (pixels[i])
+      .pixel_o      (pixels[i]),
+      .upset_o      (sample_upset[i])
     );
   end
 
@@ -428,7 +437,8 @@ module vista_rectify #(
 
   vista_pixel_writer #(
     .SideWidth (AllSideW),
-    .InFlight  (SampleLatency + 3)
+    .InFlight  (SampleLatency + 3),
+    .Parity    (Parity)
   ) u_writer (
     .clk_i,
     .rst_ni,
@@ -445,7 +455,8 @@ module vista_rectify #(
     .sof_o          (m_axis_tuser),
     .eol_o          (m_axis_tlast),
     .data_o         (m_axis_tdata),
-    .side_o         ({side_o, height_o, width_o})
+    .side_o         ({side_o, height_o, width_o}),
+    .upset_o        (writer_upset)
   );
 
 endmodule

@@ -9,13 +9,13 @@
 
 module vista_rectify_points #(
   parameter int unsigned MaxPoints = 2048,
+  parameter bit Parity = 1'b0,
   localparam int unsigned AddrW = $clog2(MaxPoints) + 1,
   localparam int unsigned OffsetW = vista_rectify_pkg::OffsetW,
   localparam int unsigned StepW = vista_rectify_pkg::StepW,
   localparam int unsigned ValueW = vista_rectify_pkg::ValueW
 ) (
   input  logic clk_i,
-  input  logic rst_ni,
 
   input  logic                 write_i,
   input  logic [AddrW-1:0]     write_addr_i,  // the bank is its first bit
@@ -25,7 +25,8 @@ module vista_rectify_points #(
   input  logic [StepW-1:0] j_i,
   input  logic [AddrW-1:0] addr_i,
 
-  output logic signed [1:0][ValueW-1:0] value_o  // dx, dy
+  output logic signed [1:0][ValueW-1:0] value_o,  // dx, dy
+  output logic upset_o  // of a memory
 );
 
   localparam int unsigned DifferenceW = OffsetW + 1;
@@ -34,7 +35,8 @@ module vista_rectify_points #(
 
   vista_line_store #(
     .Width (2 * OffsetW),
-    .Depth (2 ** AddrW)
+    .Depth (2 ** AddrW),
+    .Parity(Parity)
   ) u_points (
     .clk_i,
     .clear_i      (1'b0),
@@ -42,7 +44,8 @@ module vista_rectify_points #(
     .write_col_i  (write_addr_i),
     .write_data_i,
     .read_col_i   (addr_i),
-    .read_data_o  (point)
+    .read_data_o  (point),
+    .upset_o      (upset_o)
   );
 
   // j comes with the lower point's address and is wanted 3 clocks later, beside the difference.
@@ -54,7 +57,6 @@ module vista_rectify_points #(
     .Latency (3)
   ) u_j (
     .clk_i,
-    .rst_ni,
     .data_i ({on_i, j_i}),
     .data_o ({on, j})
   );

@@ -15,6 +15,7 @@
 module vista_rectify_sample #(
   parameter int unsigned MaxWidth = 1024,
   parameter int unsigned NumRows = 64,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned RingW = $clog2(NumRows),
@@ -40,10 +41,14 @@ module vista_rectify_sample #(
   input  logic [RowW-1:0]  last_y_i,
   input  logic [RingW-1:0] base_i,  // the row of the line buffer that has the frame's first one
 
-  output logic [PixelW-1:0] pixel_o
+  output logic [PixelW-1:0] pixel_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_rectify_pkg::*;
+
+  logic [1:0][1:0] upset;
+  assign upset_o = |upset;
 
   localparam int unsigned SumW = ValueW + StepW + 1;
   localparam int unsigned PlaceW = ((ColW > RowW) ? ColW : RowW) + FractionW + 2;  // before it is clamped; signed
@@ -142,7 +147,8 @@ module vista_rectify_sample #(
     for (genvar c = 0; c < 2; c++) begin : gen_col
       vista_line_store #(
         .Width (PixelW),
-        .Depth (BankDepth)
+        .Depth (BankDepth),
+        .Parity(Parity)
       ) u_bank (
         .clk_i,
         .clear_i      (1'b0),
@@ -150,7 +156,8 @@ module vista_rectify_sample #(
         .write_col_i  (write_addr_q),
         .write_data_i (write_data_q),
         .read_col_i   (addr5_q[r][c]),
-        .read_data_o  (bank7[r][c])
+        .read_data_o  (bank7[r][c]),
+        .upset_o      (upset[r][c])
       );
     end
   end
@@ -163,7 +170,6 @@ module vista_rectify_sample #(
     .Latency (3)
   ) u_place (
     .clk_i,
-    .rst_ni (1'b1),
     .data_i ({row4_q[0], x4_q[FractionW], x4_q[FractionW-1:0], fy4_q}),
     .data_o ({odd_row7, odd_col7, fx7, fy7})
   );

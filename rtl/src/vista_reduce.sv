@@ -14,6 +14,7 @@
 
 module vista_reduce #(
   parameter int unsigned MaxWidth = 1024,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned PixelW = vista_stereo_pkg::PixelW
@@ -44,7 +45,8 @@ module vista_reduce #(
   output logic error_late_eol_o,
   output logic error_early_sof_o,
   output logic error_late_sof_o,
-  output logic error_size_o
+  output logic error_size_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_stereo_pkg::*;
@@ -58,9 +60,13 @@ module vista_reduce #(
   logic [DataW-1:0] below2;
   logic [3:0][DataW-1:0] row2;
 
+  logic rows_upset, writer_upset;
+  assign upset_o = rows_upset | writer_upset;
+
   vista_rows #(
     .NumRows  (4),
-    .MaxWidth (MaxWidth)
+    .MaxWidth (MaxWidth),
+    .Parity   (Parity)
   ) u_rows (
     .clk_i,
     .rst_ni,
@@ -87,7 +93,8 @@ module vista_reduce #(
     .error_late_eol_o,
     .error_early_sof_o,
     .error_late_sof_o,
-    .error_size_o
+    .error_size_o,
+    .upset_o (rows_upset)
   );
 
   // A row of slots that sends pixels off is centred on row m-1, which is even. The last one of an odd height is centred
@@ -242,7 +249,8 @@ module vista_reduce #(
 
   vista_pixel_writer #(
     .SideWidth (1),
-    .InFlight  (13)
+    .InFlight  (13),
+    .Parity    (Parity)
   ) u_writer (
     .clk_i,
     .rst_ni,
@@ -259,7 +267,8 @@ module vista_reduce #(
     .sof_o          (m_axis_tuser),
     .eol_o          (m_axis_tlast),
     .data_o         (m_axis_tdata),
-    .side_o         ()
+    .side_o         (),
+    .upset_o        (writer_upset)
   );
 
 endmodule

@@ -12,6 +12,7 @@ module vista_registers #(
   parameter int unsigned MaxWidth = 1024,
   parameter int unsigned NumRows = 0,  // of the rectification; 0: there is no front end
   parameter int unsigned MaxPoints = 0,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW
 ) (
@@ -192,6 +193,7 @@ module vista_registers #(
 
   assign to_csr.BUILD.num_disparities.next        = 9'(NumDisparities);
   assign to_csr.BUILD.block_size.next             = 5'(BlockSize);
+  assign to_csr.BUILD.parity.next                 = Parity;
   assign to_csr.BUILD_SIZE.max_width.next         = 16'(MaxWidth);
   assign to_csr.BUILD_SIZE.max_height.next        = 16'(RowW'('1));
   assign to_csr.BUILD_FRONT_END.rectify_rows.next = 8'(NumRows);
@@ -205,7 +207,7 @@ module vista_registers #(
 
   assign event_now = rst_no ? events_i : '0;
   assign error     = event_now.early_eol | event_now.late_eol | event_now.early_sof | event_now.late_sof |
-      event_now.size | event_now.no_map | event_now.map_rows | event_now.map_size;
+      event_now.size | event_now.no_map | event_now.map_rows | event_now.map_size | event_now.upset;
 
   assign to_csr.FRAMES_IN.count.incr       = event_now.frame_start;
   assign to_csr.FRAMES_OUT.count.incr      = event_now.frame_end;
@@ -217,6 +219,7 @@ module vista_registers #(
   assign to_csr.ERRORS.no_map.hwset        = event_now.no_map;
   assign to_csr.ERRORS.map_rows.hwset      = event_now.map_rows;
   assign to_csr.ERRORS.map_size.hwset      = event_now.map_size;
+  assign to_csr.ERRORS.upset.hwset         = event_now.upset;
   assign to_csr.INTERRUPT.frame_done.hwset = event_now.frame_end;
   assign to_csr.INTERRUPT.error.hwset      = error;
 

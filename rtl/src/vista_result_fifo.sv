@@ -9,6 +9,7 @@
 module vista_result_fifo #(
   parameter int unsigned Width = 29,
   parameter int unsigned InFlight = 81,
+  parameter bit Parity = 1'b0,
   localparam int unsigned PtrW = $clog2(2 * InFlight)
 ) (
   input  logic             clk_i,
@@ -18,7 +19,8 @@ module vista_result_fifo #(
   output logic             go_o,
   output logic             valid_o,
   input  logic             ready_i,
-  output logic [Width-1:0] data_o
+  output logic [Width-1:0] data_o,
+  output logic upset_o  // of a memory
 );
 
   localparam int unsigned Depth = 2 ** PtrW;
@@ -30,7 +32,8 @@ module vista_result_fifo #(
 
   vista_line_store #(
     .Width (Width),
-    .Depth (Depth)
+    .Depth (Depth),
+    .Parity(Parity)
   ) u_words (
     .clk_i,
     .clear_i      (1'b0),
@@ -38,7 +41,8 @@ module vista_result_fifo #(
     .write_col_i  (write_ptr_q),
     .write_data_i (data_i),
     .read_col_i   (read_ptr_q),
-    .read_data_o  (read_data)
+    .read_data_o  (read_data),
+    .upset_o      (upset_o)
   );
 
   logic [Ahead-1:0][Width-1:0] ahead_q;

@@ -10,6 +10,7 @@ module vista_row_delay #(
   parameter int unsigned Width = 22,
   parameter int unsigned BlockSize = 11,
   parameter int unsigned MaxWidth = 1024,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth)
 ) (
   input  logic                    clk_i,
@@ -20,7 +21,8 @@ module vista_row_delay #(
   output vista_stereo_pkg::slot_t slot_o,
   output logic [ColW-1:0]         slot_col_o,
   output logic [Width-1:0]        entering_o,
-  output logic [Width-1:0]        leaving_o
+  output logic [Width-1:0]        leaving_o,
+  output logic upset_o  // of a memory
 );
 
   vista_stereo_pkg::slot_t         slot_q;
@@ -30,7 +32,8 @@ module vista_row_delay #(
 
   vista_line_store #(
     .Width (BlockSize * Width),
-    .Depth (MaxWidth)
+    .Depth (MaxWidth),
+    .Parity(Parity)
   ) u_columns (
     .clk_i,
     .clear_i      (1'b0),
@@ -38,7 +41,8 @@ module vista_row_delay #(
     .write_col_i  (slot_col_o),
     .write_data_i ({column[BlockSize-2:0], entering_o}),
     .read_col_i   (slot_col_i),
-    .read_data_o  (column)
+    .read_data_o  (column),
+    .upset_o      (upset_o)
   );
 
   assign leaving_o = column[BlockSize-1];

@@ -10,6 +10,7 @@ module vista_rows #(
   parameter int unsigned NumRows = 2,  // rows that are kept: m, m-1 ..
   parameter int unsigned MaxWidth = 1024,
   parameter int unsigned SideWidth = 1,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned DataW = 2 * vista_stereo_pkg::PixelW
@@ -48,7 +49,8 @@ module vista_rows #(
   output logic error_late_eol_o,
   output logic error_early_sof_o,
   output logic error_late_sof_o,
-  output logic error_size_o
+  output logic error_size_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_stereo_pkg::*;
@@ -143,7 +145,8 @@ module vista_rows #(
 
   vista_line_store #(
     .Width (NumRows * DataW),
-    .Depth (MaxWidth)
+    .Depth (MaxWidth),
+    .Parity(Parity)
   ) u_lines (
     .clk_i,
     .clear_i      (1'b0),
@@ -151,7 +154,8 @@ module vista_rows #(
     .write_col_i  (store_col2_q),
     .write_data_i ({row_o[NumRows-2:0], below_o}),
     .read_col_i   (slot_col_q),
-    .read_data_o  (row_o)
+    .read_data_o  (row_o),
+    .upset_o      (upset_o)
   );
 
   assign odd_row_o = odd_row_q & ~slot_o.first_row;

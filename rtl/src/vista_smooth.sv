@@ -15,6 +15,7 @@
 module vista_smooth #(
   parameter int unsigned MaxWidth = 1024,
   parameter int unsigned SideWidth = 1,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned PixelW = vista_stereo_pkg::PixelW
@@ -52,7 +53,8 @@ module vista_smooth #(
   output logic error_late_eol_o,
   output logic error_early_sof_o,
   output logic error_late_sof_o,
-  output logic error_size_o
+  output logic error_size_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_stereo_pkg::*;
@@ -68,10 +70,14 @@ module vista_smooth #(
   logic [1:0][DataW-1:0] row2;
   logic [AllSideW-1:0] side2;
 
+  logic rows_upset, writer_upset;
+  assign upset_o = rows_upset | writer_upset;
+
   vista_rows #(
     .NumRows   (2),
     .MaxWidth  (MaxWidth),
-    .SideWidth (1 + SideWidth)
+    .SideWidth (1 + SideWidth),
+    .Parity    (Parity)
   ) u_rows (
     .clk_i,
     .rst_ni,
@@ -98,7 +104,8 @@ module vista_smooth #(
     .error_late_eol_o,
     .error_early_sof_o,
     .error_late_sof_o,
-    .error_size_o
+    .error_size_o,
+    .upset_o (rows_upset)
   );
 
   // 3: the vertical sums of column x+1; x and x-1 are kept.
@@ -183,7 +190,8 @@ module vista_smooth #(
   end
 
   vista_pixel_writer #(
-    .SideWidth(AllSideW)
+    .SideWidth (AllSideW),
+    .Parity    (Parity)
   ) u_writer (
     .clk_i,
     .rst_ni,
@@ -200,7 +208,8 @@ module vista_smooth #(
     .sof_o          (m_axis_tuser),
     .eol_o          (m_axis_tlast),
     .data_o         (m_axis_tdata),
-    .side_o         ({side_o, height_o, width_o})
+    .side_o         ({side_o, height_o, width_o}),
+    .upset_o        (writer_upset)
   );
 
 endmodule

@@ -17,7 +17,8 @@ module vista_stereo #(
   parameter int unsigned MaxWidth = 1024,      // px, NumDisparities + BlockSize .. 65535, with FrontEnd .. 4096
   parameter bit          FrontEnd = 1'b0,
   parameter int unsigned NumRows = 64,         // of the line buffer of rectification: 16, 32, 64 or 128
-  parameter int unsigned MaxPoints = 2048      // control points of a camera; rounded up to a power of two
+  parameter int unsigned MaxPoints = 2048,     // control points of a camera; rounded up to a power of two
+  parameter bit          Parity = 1'b0         // of all memories; ERRORS.upset tells of a bit that is not as written
 ) (
   input  logic clk_i,
   input  logic rst_ni,
@@ -88,7 +89,8 @@ module vista_stereo #(
     .BlockSize (BlockSize),
     .MaxWidth  (MaxWidth),
     .NumRows   (FrontEnd ? NumRows : 0),
-    .MaxPoints (FrontEnd ? 2 ** $clog2(MaxPoints) : 0)
+    .MaxPoints (FrontEnd ? 2 ** $clog2(MaxPoints) : 0),
+    .Parity    (Parity)
   ) u_registers (
     .clk_i,
     .rst_ni,
@@ -148,7 +150,8 @@ module vista_stereo #(
       .MaxWidth  (MaxWidth),
       .NumRows   (NumRows),
       .MaxPoints (MaxPoints),
-      .SideWidth ($bits(params_t))
+      .SideWidth ($bits(params_t)),
+      .Parity    (Parity)
     ) u_front_end (
       .clk_i,
       .rst_ni            (rst_nq),
@@ -197,6 +200,7 @@ module vista_stereo #(
     always_comb begin
       events           = front_events;
       events.frame_end = core_events.frame_end;
+      events.upset     = front_events.upset | core_events.upset;
     end
 
     assign pixel_enable = 1'b1;
@@ -227,7 +231,8 @@ module vista_stereo #(
   vista_stereo_core #(
     .NumDisparities (NumDisparities),
     .BlockSize (BlockSize),
-    .MaxWidth (MaxWidth)
+    .MaxWidth (MaxWidth),
+    .Parity   (Parity)
   ) u_core (
     .clk_i,
     .rst_ni            (rst_nq),
@@ -253,7 +258,8 @@ module vista_stereo #(
     .error_late_eol_o  (core_events.late_eol),
     .error_early_sof_o (core_events.early_sof),
     .error_late_sof_o  (core_events.late_sof),
-    .error_size_o      (core_events.size)
+    .error_size_o      (core_events.size),
+    .upset_o           (core_events.upset)
   );
 
   // Only a front end has them.

@@ -10,6 +10,7 @@ module vista_stereo_core #(
   parameter int unsigned NumDisparities = 32,   // 16, 32 .. 256
   parameter int unsigned BlockSize = 11,        // odd, 5 .. 21
   parameter int unsigned MaxWidth = 1024,       // NumDisparities + BlockSize .. 65535
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned PixelW = vista_stereo_pkg::PixelW
@@ -45,7 +46,8 @@ module vista_stereo_core #(
   output logic error_late_eol_o,
   output logic error_early_sof_o,
   output logic error_late_sof_o,
-  output logic error_size_o
+  output logic error_size_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_stereo_pkg::*;
@@ -177,8 +179,12 @@ module vista_stereo_core #(
   logic [NumDisparities:0][ColumnW-1:0] column;
   logic [NumDisparities:0][CostW-1:0]   sum;
 
+  logic [6:0] upset;
+  assign upset_o = |upset;
+
   vista_prefilter #(
-    .MaxWidth(MaxWidth)
+    .MaxWidth (MaxWidth),
+    .Parity   (Parity)
   ) u_prefilter (
     .clk_i,
     .rst_ni,
@@ -193,13 +199,15 @@ module vista_stereo_core #(
     .params_o      (frame_params),
     .left_o        (left),
     .right_o       (right),
-    .texture_o     (texture)
+    .texture_o     (texture),
+    .upset_o       (upset[0])
   );
 
   vista_row_delay #(
     .Width     (2 * PixelW + TextureW),
     .BlockSize (BlockSize),
-    .MaxWidth  (MaxWidth)
+    .MaxWidth  (MaxWidth),
+    .Parity    (Parity)
   ) u_row_delay (
     .clk_i,
     .rst_ni,
@@ -209,13 +217,15 @@ module vista_stereo_core #(
     .slot_o     (delayed_slot),
     .slot_col_o (delayed_col),
     .entering_o ({texture_in, right_in, left_in}),
-    .leaving_o  ({texture_out, right_out, left_out})
+    .leaving_o  ({texture_out, right_out, left_out}),
+    .upset_o    (upset[1])
   );
 
   vista_cost_columns #(
     .NumDisparities (NumDisparities),
     .BlockSize (BlockSize),
-    .MaxWidth (MaxWidth)
+    .MaxWidth (MaxWidth),
+    .Parity   (Parity)
   ) u_cost_columns (
     .clk_i,
     .rst_ni,
@@ -228,12 +238,14 @@ module vista_stereo_core #(
     .right_leaving_i    (right_out),
     .texture_leaving_i  (texture_out),
     .slot_o             (column_slot),
-    .column_o           (column)
+    .column_o           (column),
+    .upset_o            (upset[2])
   );
 
   vista_window_sums #(
     .NumChannels (NumDisparities + 1),
-    .BlockSize   (BlockSize)
+    .BlockSize   (BlockSize),
+    .Parity      (Parity)
   ) u_window_sums (
     .clk_i,
     .rst_ni,
@@ -241,7 +253,8 @@ module vista_stereo_core #(
     .column_i (column),
     .slot_o      (cost_slot),
     .slot_next_o (next_cost_slot),
-    .sum_o       (sum)
+    .sum_o       (sum),
+    .upset_o     (upset[3])
   );
 
   // The parameters of the stages behind the costs change with the first column of a row that has matches: 2r rows after
@@ -281,14 +294,16 @@ module vista_stereo_core #(
     .disparity_o        (disparity)
   );
 
-  vista_delay #(
+  vista_delay_ring #(
     .Width   (2 + RingW),
-    .Latency (candidate_latency(NumDisparities))
+    .Latency (candidate_latency(NumDisparities)),
+    .Parity  (Parity)
   ) u_candidate_slot (
     .clk_i,
     .rst_ni,
     .data_i ({match, textured, match_index}),
-    .data_o ({candidate_valid, candidate_textured, candidate_index})
+    .data_o ({candidate_valid, candidate_textured, candidate_index}),
+    .upset_o(upset[6])
   );
 
   vista_right_winner #(
@@ -317,7 +332,8 @@ module vista_stereo_core #(
   vista_lr_check #(
     .NumDisparities (NumDisparities),
     .CostW (CostW),
-    .RingW (RingW)
+    .RingW (RingW),
+    .Parity(Parity)
   ) u_lr_check (
     .clk_i,
     .rst_ni,
@@ -336,7 +352,8 @@ module vista_stereo_core #(
     .cut_i                 (cut),
     .valid_o               (result_valid),
     .disparity_o           (result_disparity),
-    .smin_o                (result_smin)
+    .smin_o                (result_smin),
+    .upset_o               (upset[4])
   );
 
   // Words.
@@ -348,7 +365,8 @@ module vista_stereo_core #(
 
   vista_result_fifo #(
     .Width    (DisparityW + SminW),
-    .InFlight (results_in_flight(NumDisparities))
+    .InFlight (results_in_flight(NumDisparities)),
+    .Parity   (Parity)
   ) u_result_fifo (
     .clk_i,
     .rst_ni,
@@ -357,7 +375,8 @@ module vista_stereo_core #(
     .go_o    (results_go),
     .valid_o (queued_valid),
     .ready_i (queued_ready),
-    .data_o  ({queued_smin, queued_disparity})
+    .data_o  ({queued_smin, queued_disparity}),
+    .upset_o (upset[5])
   );
 
   vista_frame_writer #(

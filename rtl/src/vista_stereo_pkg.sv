@@ -56,6 +56,7 @@ package vista_stereo_pkg;
     logic no_map;
     logic map_rows;
     logic map_size;
+    logic upset;  // a memory gave a word of which a bit is not as it was written
   } events_t;
 
   // A pixel of a frame, which stands beside the one below it (vista_framer).

@@ -14,7 +14,6 @@ module vista_subpixel #(
   localparam int unsigned DisparityW = vista_stereo_pkg::DisparityW
 ) (
   input  logic                         clk_i,
-  input  logic                         rst_ni,
   input  logic [IndexW-1:0]            winner_i,
   input  logic [CostW-1:0]             smin_i,
   input  logic [CostW-1:0]             previous_i,  // p = S(dL - 1)
@@ -77,7 +76,6 @@ module vista_subpixel #(
     .Latency (NumSteps + 2)
   ) u_winner (
     .clk_i,
-    .rst_ni,
     .data_i (winner_i),
     .data_o (winner)
   );

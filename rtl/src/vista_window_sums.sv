@@ -14,6 +14,7 @@
 module vista_window_sums #(
   parameter int unsigned NumChannels = 33,
   parameter int unsigned BlockSize = 11,
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColumnW = vista_stereo_pkg::column_width(BlockSize),
   localparam int unsigned CostW = vista_stereo_pkg::cost_width(BlockSize)
 ) (
@@ -25,7 +26,8 @@ module vista_window_sums #(
 
   output vista_stereo_pkg::slot_t              slot_o,
   output vista_stereo_pkg::slot_t              slot_next_o,  // of the sums of the next clock
-  output logic [NumChannels-1:0][CostW-1:0]    sum_o
+  output logic [NumChannels-1:0][CostW-1:0]    sum_o,
+  output logic upset_o  // of a memory
 );
 
   import vista_stereo_pkg::*;
@@ -60,7 +62,8 @@ module vista_window_sums #(
 
   vista_line_store #(
     .Width (NumChannels * ColumnW),
-    .Depth (2 ** PtrW)
+    .Depth (2 ** PtrW),
+    .Parity(Parity)
   ) u_ring (
     .clk_i,
     .clear_i      (clear1_q),
@@ -68,7 +71,8 @@ module vista_window_sums #(
     .write_col_i  (ptr1_q),
     .write_data_i (in1_q),
     .read_col_i   (ptr_q),
-    .read_data_o  (out2)
+    .read_data_o  (out2),
+    .upset_o      (upset_o)
   );
 
   assign slot_next_o = slot3_q;

@@ -72,5 +72,5 @@ def sources(file_list: str) -> list[Path]:
 
 def bench_sources(file_list: str) -> list[Path]:
     """The same, with the memory of which a use of what is undefined shows."""
-    memory = Path(__file__).with_name("vista_line_store.sv")
+    memory = Path(__file__).with_name("vista_memory.sv")
     return [memory if file.name == memory.name else file for file in sources(file_list)]
