@@ -61,7 +61,7 @@ lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated 
 	@for top in vista_smooth vista_pyramid vista_rectify; do for w in 32 1024; do \
 	  $(VERILATOR) --lint-only --quiet -Wall -GMaxWidth=$$w --top-module $$top rtl/lint/verilator.vlt \
 	    -f rtl/vista_frontend.f || exit 1; done; done
-	@$(VERILATOR) --lint-only --quiet -Wall -f rtl/vista_camera_fifo.f
+	@$(VERILATOR) --lint-only --quiet -Wall --top-module vista_camera_pair rtl/lint/verilator.vlt -f rtl/vista_camera.f
 	@.venv/bin/verible-verilog-lint --rules_config rtl/lint/verible.rules $(RTL_SOURCES)
 	@for f in $(RTL_SOURCES); do \
 	  .venv/bin/verible-verilog-format --flagfile=rtl/lint/verible-format.flags $$f | diff -u $$f - || exit 1; done

@@ -45,6 +45,7 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("vista_pyramid", {"MaxWidth": 40, "SideWidth": 8}),
     ("vista_rectify", {"MaxWidth": 40, "NumRows": 16, "MaxPoints": 16, "SideWidth": 8}),
     ("vista_rectify", {"MaxWidth": 64, "NumRows": 32, "MaxPoints": 64, "SideWidth": 8}),
+    ("camera_engine", {"Depth": 64}),
     (
         "parity",
         {
@@ -66,7 +67,8 @@ TOPS = {"parity": "vista_stereo"}  # of benches that do not have the name of the
 BENCHES = {"vista_delay_ring": "delay"}
 OWN_MEMORY = ("vista_memory", "vista_line_store", "parity")  # the others have that of the benches
 LISTS = {
-    "vista_camera_fifo": "vista_camera_fifo.f",
+    "vista_camera_fifo": "vista_camera.f",
+    "camera_engine": "vista_stereo.f vista_camera.f",
     **dict.fromkeys(("vista_stereo", "vista_registers", "parity"), "vista_stereo.f"),
     **dict.fromkeys(
         ("vista_smooth", "vista_reduce", "vista_pyramid", "vista_rectify", "front_end"), "vista_frontend.f"
@@ -80,7 +82,8 @@ def files_of(module: str) -> list[Path]:
     files = LISTS.get(module, "vista_stereo_core.f")
     if module in OWN_MEMORY:
         return sources(files)
-    return bench_sources(files) + ([harness] if harness.is_file() else [])
+    listed = dict.fromkeys(file for name in files.split() for file in bench_sources(name))
+    return [*listed, *([harness] if harness.is_file() else [])]
 
 
 # Faults that an assertion of rtl/formal has to name: bench, module, what is replaced in it, and by what.

@@ -73,6 +73,7 @@ PROOFS = [
         (PACKAGE, "src/vista_memory.sv", "src/vista_pixel_writer.sv"),
     ),
     Proof("vista_frame_guard", 4, FRONT_END, (*INPUT, "src/vista_frame_guard.sv")),
+    Proof("vista_pair_sync", 3, "-G SkewW=3", (PACKAGE, "src/vista_pair_sync.sv")),
     Proof("vista_levels", 3, FRONT_END, (PACKAGE, "src/vista_levels.sv")),
     Proof("vista_rectify_map", 3, RECTIFIER, (PACKAGE, RECTIFY_PACKAGE, "src/vista_rectify_map.sv")),
     Proof("vista_rectify_ring", 3, "-G MaxWidth=1024 -G NumRows=64", ("src/vista_rectify_ring.sv",)),

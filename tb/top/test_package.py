@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 
 
 def listed() -> list[Path]:
-    return list(dict.fromkeys([*sources("vista_stereo.f"), *sources("vista_camera_fifo.f")]))
+    return list(dict.fromkeys([*sources("vista_stereo.f"), *sources("vista_camera.f")]))
 
 
 def test_core_file_lists_the_sources() -> None:
@@ -61,7 +61,7 @@ def test_ip_xact_is_what_its_schema_says() -> None:
 
 
 def test_constraints_name_registers_of_their_module() -> None:
-    source = "".join(file.read_text() for file in sources("vista_camera_fifo.f"))
+    source = "".join(file.read_text() for file in sources("vista_camera.f"))
     for suffix in ("xdc", "sdc"):
         text = (ROOT / "rtl" / "constraints" / f"vista_camera_fifo.{suffix}").read_text()
         named = set(re.findall(r"\b((?:read|write)_gray\w*_q|read_q|mem)(?:_reg)?\b", text))
