@@ -155,6 +155,48 @@ def test_what_was_seen_to_be_free_stays_so_for_a_while_when_it_leaves_the_view()
         assert (decision.action != "holds") == known
 
 
+def lengths(planner: Planner, **state) -> set[float]:
+    """What the cells of the grid cost, as they are at that place and time."""
+    lib.vista_plan_spread(planner.handle, state_of(**state), [0.0, 0.0, 200.0])
+    grid = ffi.buffer(planner.handle.length)
+    return set(np.frombuffer(grid, np.float32).round(2).tolist())
+
+
+def test_a_cell_costs_by_what_was_seen_of_it_within_a_minute_at_its_height_and_place() -> None:
+    """12: something stands there, or nearer than the vehicle is wide; 1.5: it is near; 1.3: nobody saw it."""
+    planner, unseen = Planner(), pytest.approx([1.3])
+    planner.decide(seen_world([Wall(12.0, (-2.0, 2.0))]), state_of(), goal_of())
+    assert sorted(lengths(planner, t_s=60.0)) == pytest.approx([1.0, 1.3, 1.5, 12.0])
+    assert list(lengths(planner, t_s=62.0)) == unseen
+    assert list(lengths(planner, position=(0.0, -3.0 * RADIUS_M, 0.0))) == unseen
+    assert list(lengths(planner, position=(0.0, 0.0, -48.0))) == unseen
+
+
+@pytest.mark.parametrize("right", [-1.0, 1.0])
+@pytest.mark.parametrize("ahead", [-1.0, 1.0])
+def test_a_way_across_the_axes_of_the_grid_is_no_longer_than_others(right: float, ahead: float) -> None:
+    """Nothing is known any more: each metre costs 1.3 in any direction. The way begins towards the goal."""
+    planner, level = Planner(), np.array([right, 0.0, ahead]) * np.sqrt(0.5)
+    planner.decide(seen_world(), state_of(), goal_of())
+    lib.vista_plan_spread(planner.handle, state_of(t_s=100.0), (20.0 * level).tolist())
+    way = lib.vista_plan_way_along(planner.handle, [0.0, 0.0, 0.0], level.tolist(), 4.0)
+    assert way.length_m == pytest.approx(1.3 * 20.0, rel=0.05) and way.turn < 0.1
+
+
+def test_of_two_ways_around_the_shorter_one_is_told() -> None:
+    """The wall reaches 3 m to the left and 9 m to the right; what leads to the left is the shorter way."""
+    planner, along = Planner(), []
+    state, goal_m = state_of(), [0.0, 0.0, 20.0]
+    planner.decide(seen_world([Wall(10.0, (-3.0, 9.0))]), state, goal_of())
+    lib.vista_plan_spread(planner.handle, state, goal_m)
+    for right in (-1.0, 1.0):
+        level = [right * np.sqrt(0.5), 0.0, np.sqrt(0.5)]
+        along.append(lib.vista_plan_way_along(planner.handle, [0.0, 0.0, 0.0], level, 4.0))
+    assert 20.0 < along[0].length_m < along[1].length_m < 60.0
+    back = lib.vista_plan_way_along(planner.handle, [0.0, 0.0, 0.0], [0.0, 0.0, -1.0], 4.0)
+    assert back.length_m > along[0].length_m and back.turn > along[0].turn
+
+
 def test_the_grid_keeps_what_was_seen_on_both_sides_of_the_worlds_origin() -> None:
     """A grid is 48 m wide here. From z = 12 m it still holds what was seen from -20 m beyond z = -12 m."""
     planner, kept = Planner(), []

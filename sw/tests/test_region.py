@@ -369,7 +369,7 @@ def test_verdicts_have_names() -> None:
 
 
 def test_own_pixels_are_those_that_the_image_gives_to_the_region() -> None:
-    """A board at 10 m before nothing; of its pixels the image leaves a narrower board."""
+    """A board at 10 m before nothing; words of something nearer are not its own, nor what the image takes."""
     stages = Stages(camera())
     u, v = np.meshgrid(np.arange(320), np.arange(240))
     board = (np.abs(u - 160) <= 40) & (np.abs(v - 120) <= 30)
@@ -378,6 +378,9 @@ def test_own_pixels_are_those_that_the_image_gives_to_the_region() -> None:
     stages.partition(image, words)
     whole = stages.measure_regions(words)[0]
     assert abs(whole.min_u_px - 120) <= 1 and abs(whole.max_u_px - 200) <= 1
+    elsewhere = board & (u % 4 == 0) & (v % 4 == 0)
+    fewer = stages.measure_regions(np.where(elsewhere, 24 * 16, words).astype(np.int16))[0]
+    assert fewer.pixel_count == pytest.approx(whole.pixel_count - elsewhere.sum(), abs=40)
     stages.region_of_pixel[:, 180:] = -1
     narrower = stages.compute_regions(words)[0]
     assert narrower.max_u_px == 179 and narrower.min_u_px == whole.min_u_px
