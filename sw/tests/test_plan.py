@@ -276,6 +276,15 @@ def test_a_fixed_wing_flies_around_and_its_plan_is_a_circle_that_closes() -> Non
     assert flight.position_m[2] >= 150.0 and flight.clearance_m > 0.8 * RADIUS_M
 
 
+def test_a_fixed_wing_goes_on_rolling_when_it_decides_anew() -> None:
+    """To a goal behind it, ten decisions a second: half a turn at 40 degrees of bank takes less than 5 s."""
+    goal = goal_of((0.0, 0.0, -400.0), 12.0)
+    flight = Flight([], goal, velocity=(0.0, 0.0, 12.0), plan__vehicle="fixed_wing")
+    for _ in range(50):
+        flight.step()
+    assert flight.velocity[2] < -0.95 * np.linalg.norm(flight.velocity)
+
+
 @pytest.mark.slow
 def test_an_escape_that_meets_what_stands_is_never_called_one() -> None:
     """Not even where the manoeuvres that were ruled out have taken all that may be asked for."""

@@ -162,6 +162,7 @@ static bool begin_wing(const vista_plan_params *params, const vista_plan_state *
   memcpy(w->now.position_m, state->position_m, sizeof w->now.position_m);
   memcpy(w->now.velocity_m_s, state->velocity_m_s, sizeof w->now.velocity_m_s);
   memcpy(w->now.heading, w->level, sizeof w->level);
+  for (int i = 0; i < 3; ++i) w->now.acceleration_m_s2[i] = GRAVITY_M_S2 * tan(w->bank_rad) * left[i];
   return w->speed_m_s > WING_SLOWEST_M_S;
 }
 
