@@ -254,6 +254,20 @@ def test_a_pose_that_leads_elsewhere_is_doubted_where_no_image_shows_it() -> Non
     assert [Reason.MOTION_DOUBTFUL in reasons for reasons in found] == [False] * ONSET + [True] * 8 + [False]
 
 
+@pytest.mark.parametrize(("degrees", "named"), [(3.0, False), (10.0, True)])
+def test_an_attitude_that_jumps_is_doubted_where_no_image_shows_it(degrees: float, named: bool) -> None:
+    nothing = [np.full((HEIGHT >> k, WIDTH >> k), -16, np.int16) for k in range(3)]
+    turn = cv2.Rodrigues(np.radians([0.0, degrees, 0.0]))[0]
+
+    def turned(k: int) -> Pose:
+        pose = aside(k, 0.0)
+        return Pose(pose.rotation @ turn if k >= ONSET else pose.rotation, pose.translation_m)
+
+    found = list(fly(other_poses(turned, nothing)))
+    doubted = [Reason.MOTION_DOUBTFUL in reasons for reasons in found]
+    assert doubted == [False] * ONSET + ([True] * 9 if named else [False] * 9)
+
+
 def test_after_a_frame_that_is_refused_there_is_little_to_be_relied_on() -> None:
     impossible = Pose(2.0 * np.eye(3), np.zeros(3))
     found = list(fly(other_poses(lambda k: impossible if k == 2 else FLIGHT[k].pose)))

@@ -27,6 +27,8 @@
 #define CORRECTED_M 0.1 /* by which a navigation filter corrects itself */
 #define ACCELERATION_M_S2 10.0 /* of a vehicle that nothing else tells of, */
 #define ACCELERATION_MAX_M_S2 50.0 /* and of any */
+#define ANGULAR_RAD_S2 10.0 /* the same of its turn, */
+#define TURNED_RAD 0.02 /* and what a navigation filter corrects that by */
 #define SCATTERS 5.0
 #define SCATTER_SHARE 0.1 /* of a pose, in the mean of the scatter */
 #define SHOWN_SHARE 0.5
@@ -202,6 +204,28 @@ static leading judge_way(vista_watched_way *way, const double step_m[3], double 
   return found;
 }
 
+/* The turn from one attitude to another, in the world. */
+static void turn_between(const double before[9], const double now[9], double turn_rad[3]) {
+  double between[9] = {0};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) between[3 * i + j] = vista_dot(&now[3 * i], &before[3 * j]);
+  const double sine[3] = {0.5 * (between[7] - between[5]), 0.5 * (between[2] - between[6]),
+                          0.5 * (between[3] - between[1])};
+  const double length = vista_norm(sine), cosine = 0.5 * (between[0] + between[4] + between[8] - 1.0);
+  const double scale = length > 0.0 ? atan2(length, cosine) / length : 0.0;
+  for (int i = 0; i < 3; ++i) turn_rad[i] = scale * sine[i];
+}
+
+/* Asks whether an attitude is one that the last turn does not lead to, and that no image shows. */
+static bool turns_otherwise(const vista_watched_way *way, const double turn_rad[3], double passed_s,
+                            const vista_coherence_result *c) {
+  double off[3];
+  for (int i = 0; i < 3; ++i) off[i] = turn_rad[i] - way->turn_rad_s[i] * passed_s;
+  const double off_rad = vista_norm(off);
+  const bool shown = c->fitted && vista_norm(c->turn_rad) + 2.0 * c->turn_sigma_rad < SHOWN_SHARE * off_rad;
+  return off_rad > TURNED_RAD + ANGULAR_RAD_S2 * 0.5 * passed_s * (passed_s + way->rate_s) && !shown;
+}
+
 /* Follows the poses that are believed, and judges where this one leads. */
 static leading follow_way(vista_watched_way *way, const vista_motion *motion, int64_t t_ns,
                           const vista_coherence_result *c) {
@@ -211,13 +235,21 @@ static leading follow_way(vista_watched_way *way, const vista_motion *motion, in
   if (motion->source != VISTA_MOTION_POSE) return found;
   if (motion->restarted) *way = (vista_watched_way){0};
   const double passed_s = vista_seconds_between(way->t_ns, t_ns), *const at_m = motion->pose.translation_m;
-  double step_m[3];
+  double step_m[3], turn_rad[3];
   for (int i = 0; i < 3; ++i) step_m[i] = at_m[i] - way->at_m[i];
-  if (way->rated) found = judge_way(way, step_m, passed_s, c);
+  turn_between(way->rotation, motion->pose.rotation, turn_rad);
+  if (way->rated) {
+    found = judge_way(way, step_m, passed_s, c);
+    found.doubtful |= !way->refused && !way->missed && turns_otherwise(way, turn_rad, passed_s, c);
+  }
   way->rated = way->began;
   way->rate_s = passed_s;
-  for (int i = 0; i < 3 && way->rated; ++i) way->rate_m_s[i] = step_m[i] / passed_s;
+  for (int i = 0; i < 3 && way->rated; ++i) {
+    way->rate_m_s[i] = step_m[i] / passed_s;
+    way->turn_rad_s[i] = turn_rad[i] / passed_s;
+  }
   memcpy(way->at_m, at_m, sizeof way->at_m);
+  memcpy(way->rotation, motion->pose.rotation, sizeof way->rotation);
   way->began = true;
   way->refused = way->missed = false;
   way->t_ns = t_ns;

@@ -6,7 +6,7 @@
  *   white says nothing, nor does an image without noise.
  * - Images that move otherwise than poses and disparities say (coherence.h).
  * - Poses that lead where the last ones do not: farther from a steady velocity than their own scatter and the acceleration
- *   of a vehicle explain. Where the images show that the vehicle did move so, it is the acceleration of no vehicle that
+ *   of a vehicle explain, or turn so. Where the images show that the vehicle did move so, it is the acceleration of no vehicle that
  *   tells of a clock that is wrong. A pose after some that were refused or missing has to go on where they led.
  * - Times that go back, or leave a gap that is none of the source's.
  * - Whatever was placed by a pose that is not believed stays in the map and in the tracks for HELD frames; so long the
@@ -28,6 +28,7 @@ typedef struct vista_watched_way {
   bool began, rated;
   bool refused, missed; /* a pose was, since the last one that was believed */
   double at_m[3], rate_m_s[3];
+  double rotation[9], turn_rad_s[3];
   double rate_s; /* that the rate was measured over */
   double scatter2_m2; /* mean square of what they were off */
   int32_t scattered; /* times */
