@@ -9,7 +9,17 @@ from shared_data import SHARED_DATA
 from vista import parameters
 from vista.geometry import Pose
 from vista_eval.disturbances import KINDS, Now, Shot
-from vista_eval.suites.faults import LENGTH, Part, Seen, campaign, figures_of, judged, outcome_of, table
+from vista_eval.suites.faults import (
+    LENGTH,
+    Part,
+    Seen,
+    campaign,
+    figures_of,
+    judged,
+    outcome_of,
+    random_of,
+    table,
+)
 
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 CLEAN = Seen("healthy", 20.0, 19.0)
@@ -51,6 +61,18 @@ def test_an_alarm_in_the_third_frame_is_in_time() -> None:
     assert outcome_of(["detected", "silent"]) == "within 3"
     assert outcome_of(["masked", "silent"]) == "silent"
     assert outcome_of(["safe", "detected"]) == "detected"
+
+
+def test_recordings_whose_names_begin_alike_have_draws_of_their_own() -> None:
+    part = Part(1, 0, ("fog",))
+    drawn = {random_of(part, name).integers(1 << 31) for name in ("wires_000", "wires_001", "wires_0010")}
+    assert len(drawn) == 3
+
+
+def test_the_share_that_is_silent_has_an_exact_interval() -> None:
+    silent = {"kind": "fog", "strength": 0.5, "outcome": "silent", "reasons": (), "recording": "a"}
+    rows = table([silent] + 99 * [silent | {"outcome": "masked"}], "kind").rows
+    assert rows[-1] == ("all", "100", "99", "0", "0", "0", "1", "0.0 to 5.4 %", "")
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -59,11 +59,11 @@ def execute(arguments: argparse.Namespace) -> int:
     jobs = [job(values, part, recording) for part in parts for recording in recordings]
     found = run(jobs, place, "faults", "part", arguments.folder / "kept")
     results = [result for of_part in found for result in of_part]
-    shown = table(results)
+    shown = table(results, "kind")
     print(shown.as_text())
     write_measurement(
         arguments.folder / "faults.json",
-        [shown, table(results, "recording")],
+        [shown, table(results), table(results, "recording")],
         figures_of(results),
         results=results,
     )

@@ -29,6 +29,7 @@ from vista_eval.cache import code_digest, digest_of
 from vista_eval.disturbances import KINDS, Now, Shot, Words
 from vista_eval.fly import LIBRARIES
 from vista_eval.jobs import Job
+from vista_eval.metrics.intervals import clopper_pearson
 from vista_eval.report.table import Table
 
 PART = 50  # injections into one recording, which are one job
@@ -169,15 +170,19 @@ def job(values: parameters.Values, part: Part, folder: Path) -> Job:
     return Job(f"{folder.name}, part {part.number}", partial(campaign, values, part, folder), digest)
 
 
+def random_of(part: Part, recording: str) -> np.random.Generator:
+    """Draws of their own for each recording and part."""
+    return np.random.default_rng((part.seed, part.number, *recording.encode()))
+
+
 def campaign(values: parameters.Values, part: Part, folder: Path) -> list[dict[str, Any]]:
     """The outcomes of PART injections into one recording, as JSON takes them."""
     flown = Flown(open_sequence(folder), values)
     detector = flown.detector
     clean = [flown.frame(shot, None) for shot in flown.shots]
     detector.reset()
-    number = int.from_bytes(folder.name.encode(), "little") % (1 << 32)
     results, at = [], 0
-    for injection in injections(np.random.default_rng((part.seed, part.number, number)), clean, part.kinds):
+    for injection in injections(random_of(part, folder.name), clean, part.kinds):
         while at < injection.onset:
             flown.frame(flown.shots[at], None)
             at += 1
@@ -204,9 +209,11 @@ def campaign(values: parameters.Values, part: Part, folder: Path) -> list[dict[s
 
 
 def table(results: Sequence[dict[str, Any]], by: str = "strength") -> Table:
-    """Outcomes by kind and strength, or by recording."""
+    """Outcomes by kind and strength, by kind, or by recording."""
     groups: dict[str, list[dict[str, Any]]] = {}
-    if by == "recording":
+    if by == "kind":
+        groups = {name: [r for r in results if r["kind"] == name] for name in KINDS}
+    elif by == "recording":
         for result in results:
             groups.setdefault(result["recording"], []).append(result)
     else:
@@ -215,8 +222,14 @@ def table(results: Sequence[dict[str, Any]], by: str = "strength") -> Table:
                 chosen = [r for r in results if (r["kind"], r["strength"]) == (name, strength)]
                 groups[f"{name}, {strength:g} {kind.unit}"] = chosen
     rows = [row(name, chosen) for name, chosen in groups.items() if chosen]
-    heads = ("injected" if by == "strength" else "recording", "times", *OUTCOMES, "first named")
-    name = "faults" if by == "strength" else "faults-recordings"
+    heads = (
+        "recording" if by == "recording" else "injected",
+        "times",
+        *OUTCOMES,
+        "silent, 95 %",
+        "first named",
+    )
+    name = {"strength": "faults", "kind": "faults-kinds", "recording": "faults-recordings"}[by]
     return Table(name, heads, [*rows, (*row("all", results)[:-1], "")])
 
 
@@ -224,7 +237,9 @@ def row(name: str, results: Sequence[dict[str, Any]]) -> tuple[str, ...]:
     count = Counter(result["outcome"] for result in results)
     reasons = Counter(reason for result in results for reason in result["reasons"])
     named = ", ".join(reason for reason, _ in reasons.most_common(2))
-    return (name, str(len(results)), *(str(count[outcome]) for outcome in OUTCOMES), named)
+    low, high = clopper_pearson(count["silent"], len(results))
+    interval = f"{100.0 * low:.1f} to {100.0 * high:.1f} %"
+    return (name, str(len(results)), *(str(count[outcome]) for outcome in OUTCOMES), interval, named)
 
 
 def figures_of(results: Sequence[dict[str, Any]]) -> dict[str, Any]:
