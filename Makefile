@@ -34,7 +34,7 @@ DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 DEMO_FOREST := build/demo/forest
 
-.PHONY: check types coverage lint-c help setup setup-jobs setup-browser ros-env test-ros native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights audit lock clean distclean
+.PHONY: check types coverage analyse lint-c help setup setup-jobs setup-browser ros-env test-ros native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights audit lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -62,6 +62,9 @@ setup: .venv/run.stamp ## install the pinned Python packages and the command .ve
 
 .venv/jobs.stamp: $(REQUIREMENTS)/jobs.txt .venv/test.stamp
 	@$(SETUP) jobs
+
+.venv/analyse.stamp: $(REQUIREMENTS)/analyse.txt .venv/jobs.stamp
+	@$(SETUP) analyse
 
 .venv/docs.stamp: $(REQUIREMENTS)/docs.txt .venv/run.stamp
 	@$(SETUP) docs
@@ -172,6 +175,9 @@ lint-python: .venv/test.stamp
 
 lint-c: .venv/test.stamp
 	@git ls-files '*.c' '*.h' '*.cpp' | xargs .venv/bin/clang-format --dry-run -Werror
+
+analyse: .venv/analyse.stamp ## run cppcheck, clang-tidy and gcc -fanalyzer over the C code: minutes, for the night
+	@scripts/analyse.sh $(WORKERS)
 
 types: build .venv/jobs.stamp ## run mypy: the product strictly, the rest as far as it is typed
 	@.venv/bin/mypy

@@ -148,6 +148,7 @@ VISTA_INLINE void match_groups(const vista_match_job *job, int groups, int full_
   if (!check) return;
   for (int g = 0; g < groups; ++g) { /* right pixels that the end of the row cuts short */
     group_store(costs, right_best[g]);
+    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): group_store filled them */
     for (int32_t i = 0; i < LANES; ++i) right_row[W - 1 - radius - LANES * g - i] = (uint8_t)costs[i];
   }
 }

@@ -65,17 +65,24 @@ void *jpeg_get_small(j_common_ptr jpeg, size_t bytes) {
 
 void *jpeg_get_large(j_common_ptr jpeg, size_t bytes) { return jpeg_get_small(jpeg, bytes); }
 
-void jpeg_free_small(j_common_ptr jpeg, void *object, size_t bytes) { (void)jpeg, (void)object, (void)bytes; }
+void jpeg_free_small(j_common_ptr jpeg, void *object, size_t bytes) {
+  (void)jpeg;
+  (void)object;
+  (void)bytes;
+}
 
-void jpeg_free_large(j_common_ptr jpeg, void *object, size_t bytes) { (void)jpeg, (void)object, (void)bytes; }
+void jpeg_free_large(j_common_ptr jpeg, void *object, size_t bytes) { jpeg_free_small(jpeg, object, bytes); }
 
 size_t jpeg_mem_available(j_common_ptr jpeg, size_t least, size_t most, size_t already) {
-  (void)jpeg, (void)least, (void)already;
+  (void)jpeg;
+  (void)least;
+  (void)already;
   return most;
 }
 
 void jpeg_open_backing_store(j_common_ptr jpeg, void *store, long bytes) {
-  (void)store, (void)bytes;
+  (void)store;
+  (void)bytes;
   ERREXIT(jpeg, JERR_NO_BACKING_STORE);
 }
 

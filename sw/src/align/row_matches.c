@@ -219,6 +219,7 @@ void vista_row_matches_find(const vista_image *left, const vista_image *right, d
   const uint32_t tiles = across * down, step = tiles % TURN_STEP == 0 ? 1 : TURN_STEP;
   const double least = fmax(GRADIENT_MIN, GRADIENT_NOISE * noise_sigma);
   const int32_t reach_near = m->reach_rows < NEAR_ROWS ? m->reach_rows : NEAR_ROWS;
+  /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): images without a tile are refused before */
   uint32_t tile = m->turn++ * 31U % tiles;
   for (uint32_t k = 0; k < tiles && m->features < VISTA_ROW_MATCHES_MOST; ++k, tile = (tile + step) % tiles) {
     const int32_t u0 = 1 + (int32_t)(tile % across) * TILE, v0 = 1 + (int32_t)(tile / across) * TILE;

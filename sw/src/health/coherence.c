@@ -60,7 +60,7 @@ static double disparity_of(const vista_coherence *c, const int16_t *words, int32
       ++all;
       if (word > 0) seen[count++] = word;
     }
-  if (2 * count < all) return 0.0;
+  if (count == 0 || 2 * count < all) return 0.0;
   qsort(seen, (size_t)count, sizeof *seen, by_value);
   const int32_t spread = seen[3 * count / 4] - seen[count / 4];
   return spread <= SPREAD_PX * VISTA_DISPARITY_SCALE ? (double)seen[count / 2] / VISTA_DISPARITY_SCALE : 0.0;

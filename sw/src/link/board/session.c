@@ -128,6 +128,7 @@ static vista_status load_points(vista_board *board, const int16_t *points, int64
       const int16_t *const point = points + 2 * (i + j);
       value[j] = FIELD(MAP_POINT__DX, (uint16_t)point[0]) | FIELD(MAP_POINT__DY, (uint16_t)point[1]);
     }
+    /* cppcheck-suppress uninitvar ; as many as are sent were set */
     status = request_write(board, ADDRESS(MAP_POINT), value, now);
   }
   return status;
