@@ -61,9 +61,8 @@ static vista_engine_status match_level(vista_levels *l, int32_t level) {
   const vista_engine_images images = {matched(l, 0, &sides[0]), matched(l, 1, &sides[1]), width, height, width, width};
   const vista_engine_output output = {l->words[level], NULL, width, 0};
   vista_engine_status status = vista_engine_compute(&l->engine, &images, &output, l->scratch, l->scratch_bytes);
-  /* NOLINTNEXTLINE(clang-analyzer-security.ArrayBound): count is at most the number of places */
   for (int side = 0; side < 2 && level + 1 < l->count && status == VISTA_ENGINE_OK; ++side)
-    status =
+    status = /* NOLINTNEXTLINE(clang-analyzer-security.ArrayBound): count is at most the number of places */
         vista_frontend_reduce(&sides[side], l->images[side][level + 1], l->width_px[level + 1], VISTA_ENGINE_ISA_AUTO);
   return status;
 }

@@ -79,7 +79,7 @@ static void put_shortest(vista_json *json, double value) {
     if (strtod(text, NULL) == value) break;
   }
   const int count = keep_digits(text, digits);
-  put_decimal(json, value < 0.0, digits, count, 1 + atoi(strchr(text, 'e') + 1));
+  put_decimal(json, value < 0.0, digits, count, 1 + (int)strtol(strchr(text, 'e') + 1, NULL, 10));
 }
 
 void vista_json_put_number(vista_json *json, double value, int digits) {
