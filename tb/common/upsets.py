@@ -157,11 +157,17 @@ def remedy(rtl: Rtl, scene: Scene) -> str:
 def upset(rtl: Rtl, scene: Scene, clean: Flown, rng: np.random.Generator, memory: bool) -> Upset:
     """Turns over a random bit of a register or of a memory. clean: how the scene flies without."""
     cells = rtl.cells()
-    weights = np.array([c.entries * c.bits * ((c.entries > 1) == memory) for c in cells], float)
+    bits = [c.entries * (c.bits - len(c.wired)) * ((c.entries > 1) == memory) for c in cells]
+    weights = np.array(bits, float)
     cell = cells[int(rng.choice(len(cells), p=weights / weights.sum()))]
     prepare(rtl, scene.frames[0])
     clock = int(rng.integers(clean.begun[0], clean.begun[HIT]))
-    rtl.upset(cell, int(rng.integers(cell.entries)), int(rng.integers(cell.bits)), clock - clean.begun[0] + 1)
+    rtl.upset(
+        cell,
+        int(rng.integers(cell.entries)),
+        int(rng.choice(np.setdiff1d(np.arange(cell.bits), cell.wired))),
+        clock - clean.begun[0] + 1,
+    )
     flown = fly(rtl, scene)
     wrong = [number for number, right in enumerate(flown.right) if not right]
     if not wrong:

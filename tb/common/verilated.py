@@ -10,7 +10,7 @@ import os
 import re
 import subprocess
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +74,7 @@ class Cell:
     name: str
     entries: int
     bits: int  # of an entry
+    wired: tuple[int, ...] = ()  # bits that are no register
 
     @property
     def path(self) -> str:
@@ -156,7 +157,11 @@ def _cells_made_public(command: list[str], environment: dict[str, str], folder: 
     root = json.loads(tree.read_text())
     clocked = set(_clocked(root))
     found = {(module, path) for module, path, address in _variables(root, "", ()) if address in clocked}
-    (folder / "cells.json").write_text(json.dumps(sorted({path for _, path in found})))
+    wired = dict(_wired(root))
+    bits = {
+        path: wired.get(address, []) for _, path, address in _variables(root, "", ()) if address in clocked
+    }
+    (folder / "cells.json").write_text(json.dumps(bits))
     lines = {f'public_flat_rw -module "{module}" -var "{path.split(".")[-1]}"' for module, path in found}
     made = folder / "cells.vlt"
     made.write_text("\n".join(["`verilator_config", *sorted(lines), ""]))
@@ -183,6 +188,15 @@ def _clocked(root: Any) -> Iterator[str]:
             while target["type"] != "VARREF":
                 target = target["fromp"][0]
             yield target["varp"]
+
+
+def _wired(root: Any) -> Iterator[tuple[str, list[int]]]:
+    """Addresses of variables of which bits are assigned to all the time, and these bits."""
+    for node in _nodes(root):
+        if node["type"] == "ASSIGNW" and node["lhsp"][0]["type"] == "SEL":
+            part = node["lhsp"][0]
+            low = int(part["lsbp"][0]["name"].split("h")[1], 16) if part["lsbp"][0]["type"] == "CONST" else 0
+            yield part["fromp"][0].get("varp", ""), list(range(low, low + part["widthConst"]))
 
 
 def _variables(node: Any, module: str, blocks: tuple[str, ...]) -> Iterator[tuple[str, str, str]]:
@@ -255,7 +269,7 @@ class Rtl:
 
     def cells(self) -> list[Cell]:
         """All registers and memories."""
-        clocked = set(json.loads((BUILD / "top" / self.config.name / "cells.json").read_text()))
+        clocked = dict(json.loads((BUILD / "top" / self.config.name / "cells.json").read_text()))
         found = []
         name, shape = ctypes.create_string_buffer(256), (ctypes.c_uint32 * 2)()
         for number in itertools.count():
@@ -263,7 +277,7 @@ class Rtl:
                 return found
             cell = Cell(number, name.value.decode().removeprefix("TOP.vista_stereo."), *shape)
             if cell.path in clocked:  # and not a wire of that name in another of the generated blocks
-                found.append(cell)
+                found.append(replace(cell, wired=tuple(clocked[cell.path])))
         raise AssertionError
 
     def clock(self) -> int:
