@@ -170,9 +170,9 @@ int32_t transport_receive(transport *t, int timeout_ms, uint8_t *bytes, int32_t 
   socklen_t from_bytes = sizeof from;
   struct pollfd ready = {is_there(t) ? t->file : -1, POLLIN, 0}; /* without a file poll only waits */
   if (poll(&ready, 1, timeout_ms) < 1 || ready.revents == 0) return 0;
-  /* NOLINTNEXTLINE(clang-analyzer-unix.StdCLibraryFunctions): without a file poll tells of nothing */
   const ssize_t got =
       t->serial ? read(t->file, bytes, (size_t)capacity)
+                /* NOLINTNEXTLINE(clang-analyzer-unix.StdCLibraryFunctions): without a file poll tells of nothing */
                 : recvfrom(t->file, bytes, (size_t)capacity, 0, (struct sockaddr *)(void *)&from, &from_bytes);
   if (t->serial && (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR))) transport_close(t);
   if (got <= 0) return 0;
