@@ -20,6 +20,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import make_pages  # noqa: E402
 import make_tables  # noqa: E402
 from vista import cli  # noqa: E402
+from vista_eval.report.table import Table, write_measurement  # noqa: E402
 
 FOLDERS = ("rtl", "model", "sw", "tb", "scripts", "doc")
 GENERATED = {
@@ -170,6 +171,14 @@ def test_the_parts_that_are_not_measured_now_stay(tmp_path: Path, monkeypatch: p
         make_tables.save("rates", raw, "vista throughput")
     (table,) = make_tables.tables_of(tmp_path / "rates.json")
     assert table["rows"] == [["`hd`", "2"], ["`vga`", "3"]]
+
+
+def test_a_table_of_what_never_happened_has_no_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(make_tables, "DATA", tmp_path)
+    raw = tmp_path / "raw"
+    write_measurement(raw, [Table("losses", ("lost", "by"), [])])
+    make_tables.save("losses", raw, "vista fly")
+    assert make_tables.tables_of(tmp_path / "losses.json")[0]["rows"] == []
 
 
 def test_the_commits_of_figures_are_in_the_history() -> None:

@@ -53,7 +53,7 @@ def write_measurement(
     `beside` is for whoever reads the file."""
     content: dict[str, Any] = {} if headline is None else {"headline": headline}
     content["tables"] = [
-        {name: value for name, value in asdict(table).items() if value and name != "title"}
+        {key: value for key, value in asdict(table).items() if key == "rows" or (value and key != "title")}
         for table in tables
     ]
     content |= ({} if figures is None else {"figures": figures}) | beside
