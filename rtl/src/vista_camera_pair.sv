@@ -72,7 +72,7 @@ module vista_camera_pair #(
       .upset_o      (upset[i])
     );
 
-    // Of a pixel that is lost one hears a clock later; the mark waits for the next one.
+    // The FIFO tells of a lost pixel a clock later; the mark waits for the next pixel.
     always_ff @(posedge pixel_clk_i[i]) begin
       gap_q <= ~pixel_valid & (lost | gap_q);
       if (!pixel_rst_ni[i]) gap_q <= 1'b0;

@@ -277,7 +277,7 @@ def test_a_fixed_wing_flies_around_and_its_plan_is_a_circle_that_closes() -> Non
 
 
 def test_a_fixed_wing_goes_on_rolling_when_it_decides_anew() -> None:
-    """To a goal behind it, ten decisions a second: half a turn at 40 degrees of bank takes less than 5 s."""
+    """Half a turn at 40 degrees of bank, to a goal behind it, takes less than 5 s, ten decisions a second."""
     goal = goal_of((0.0, 0.0, -400.0), 12.0)
     flight = Flight([], goal, velocity=(0.0, 0.0, 12.0), plan__vehicle="fixed_wing")
     for _ in range(50):

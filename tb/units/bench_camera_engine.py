@@ -124,7 +124,7 @@ def joined(part, whole):
 
 
 def check_words(bench, sent):
-    """Of whole pairs the words of the model, of others those or none."""
+    """The words of whole pairs are those of the model; other pairs have those or none."""
     assert len(bench.words) in (len(sent), len(sent) - 1)
     for words, (frame, whole) in zip(bench.words, sent, strict=False):
         expected = frame.words().tolist()

@@ -172,7 +172,7 @@ def job(values: parameters.Values, part: Part, folder: Path) -> Job:
 
 def random_of(part: Part, recording: str) -> np.random.Generator:
     """Draws of their own for each recording and part."""
-    return np.random.default_rng((part.seed, part.number, *recording.encode()))
+    return np.random.default_rng((part.seed, part.number, int.from_bytes(recording.encode(), "little")))
 
 
 def campaign(values: parameters.Values, part: Part, folder: Path) -> list[dict[str, Any]]:

@@ -128,24 +128,32 @@ VISTA_WIDE_VECTORS static void narrow_cell(const vista_region_view *w, const vis
 
 static const moments nothing = {.min_u = INT32_MAX, .min_v = INT32_MAX, .max_u = INT32_MIN, .max_v = INT32_MIN};
 
-VISTA_WIDE_VECTORS void vista_region_find_pixels(const vista_region_view *w, const vista_plane *surface,
-                                                 vista_region *region) {
+VISTA_WIDE_VECTORS static moments find_pixels(const vista_region_view *w, const vista_plane *surface, int32_t label) {
   moments sum = nothing;
   int16_t *own = w->pixels;
   for (int32_t m = 0; m < w->member_count; own += w->foveation->pixel_count[w->members[m++]]) {
-    mark_cell(w, surface, region->label, w->members[m], own);
+    mark_cell(w, surface, label, w->members[m], own);
     add_cell(w->foveation, w->members[m], own, &sum);
   }
+  return sum;
+}
+
+void vista_region_find_pixels(const vista_region_view *w, const vista_plane *surface, vista_region *region) {
+  const moments sum = find_pixels(w, surface, region->label);
   summarise(&sum, region);
 }
 
-VISTA_WIDE_VECTORS void vista_region_keep_inner_pixels(const vista_region_view *w, const vista_plane *surface,
-                                                       vista_region *region) {
+VISTA_WIDE_VECTORS static moments keep_inner_pixels(const vista_region_view *w, const vista_plane *surface) {
   moments sum = nothing;
   int16_t *own = w->pixels;
   for (int32_t m = 0; m < w->member_count; own += w->foveation->pixel_count[w->members[m++]]) {
     if (w->cells->disparity_px[w->members[m]] >= 0.0f) narrow_cell(w, surface, w->members[m], own);
     add_cell(w->foveation, w->members[m], own, &sum);
   }
+  return sum;
+}
+
+void vista_region_keep_inner_pixels(const vista_region_view *w, const vista_plane *surface, vista_region *region) {
+  const moments sum = keep_inner_pixels(w, surface);
   summarise(&sum, region);
 }
