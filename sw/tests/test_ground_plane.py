@@ -106,6 +106,17 @@ def test_a_table_above_the_floor_is_not_the_floor(share: float) -> None:
         assert not stages.horizontal[on_table & (stages.foveation.center_v > 165)].any()
 
 
+def test_a_platform_that_shows_more_than_the_ground_is_not_the_ground() -> None:
+    """It covers six tenths of what is below the horizon. No cell lies below the ground; those of the ground lie
+    below the platform."""
+    stages = Stages(camera())
+    ground, platform = (disparity_of(stages, (0, 1, 0), height_m) for height_m in (2.0, 1.0))
+    u = stages.foveation.center_u
+    set_cells(stages, np.where(ground > 1.0, np.where(u > 0.4 * 320, platform, ground), -1.0))
+    stages.find_surfaces()
+    assert np.abs(found_px(stages) - ground)[ground > 2.0].max() < 0.5
+
+
 def test_the_sky_has_no_ground() -> None:
     random = seeded(4)
     stages = Stages(camera())

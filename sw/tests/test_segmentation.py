@@ -246,6 +246,33 @@ def test_most_of_the_border_decides(first_row: int, regions: int) -> None:
     assert stages.segmentation.obstacle_count == regions
 
 
+def test_a_small_region_needs_a_share_of_its_own_border_only() -> None:
+    """The patch of 12 columns and 4 rows touches the wall, whose border is many times as long, on one side alone."""
+    stages = Stages(UNSCALED, FINE | {"segmentation.merge_ratio": 4.0})
+    halves(stages, 20.0, 20.25)
+    f = stages.foveation
+    patch = (f.center_u >= 30) & (f.center_u < 42) & (f.center_v >= 32) & (f.center_v < 36)
+    stages.disparity_px[(f.center_u >= 30) & ~patch] = -1
+    stages.compare()
+    stages.segment()
+    assert stages.segmentation.obstacle_count == 1
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.06])
+def test_each_border_is_judged_by_its_own_edges(slope: float) -> None:
+    """The middle of three strips is joined with its left neighbour, and stays beyond a jump to its right one,
+    whichever of these is nearer on the whole and so is looked at first."""
+    stages = Stages(UNSCALED, FINE | {"segmentation.merge_ratio": 4.0})
+    u = stages.foveation.center_u
+    halves(stages, 20.25, 20.0)
+    stages.disparity_px[:] += np.where(u < 30, slope * (30 - u), 0.0)
+    stages.disparity_px[u >= 45] = 20.8
+    stages.compare()
+    assert len(stages.find_obstacle_seeds()) == 3
+    stages.segment()
+    assert stages.segmentation.obstacle_count == 2
+
+
 # ---- the ground leaves ----
 
 

@@ -68,6 +68,15 @@ def test_a_wire_that_is_almost_level_is_found_where_it_is(behind_px: float) -> N
     assert line.lasting_sigma_px == pytest.approx(0.1 / np.tan(np.radians(abs(angle))), rel=0.05)
 
 
+@pytest.mark.parametrize("angle_deg", [16.4, -16.8])
+def test_a_wire_that_is_steep_enough_for_both_searches_is_found_once(angle_deg: float) -> None:
+    """From row to row one is found from 15.9 degrees on, from column to column up to 17.4."""
+    random = seeded(20)
+    wire = wire_at(angle_deg, 15.0, 0.015)
+    image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
+    assert len(Thin().find(image, words_around(wire, NOTHING, random))) == 1
+
+
 def test_a_guy_wire_that_runs_away_from_the_camera_keeps_its_slope() -> None:
     random = seeded(2)
     direction = np.array([random.uniform(-0.7, 0.7), 1.0, random.uniform(-0.8, 0.8)])
