@@ -4,7 +4,8 @@ fault and reason of health is somebody's."""
 from __future__ import annotations
 
 import pytest
-from evidence import REQUIREMENTS, ROOT, is_there, named, read
+from evidence import REQUIREMENTS, ROOT, named, read
+from traced import is_there
 from vista.health.finding import Reason
 from vista_eval.disturbances import KINDS
 

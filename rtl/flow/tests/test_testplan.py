@@ -3,7 +3,8 @@
 and group of bins belongs to a point."""
 
 import pytest
-from evidence import ROOT, TESTPLAN, bins, checks_in, is_there, named, proofs, read
+from evidence import ROOT, TESTPLAN, named, read
+from traced import bins, checks_in, is_there, proofs
 
 POINTS = read(TESTPLAN)["point"]
 NAMED = set(named(POINTS))
