@@ -3,6 +3,8 @@ small campaign on the street, in which no fault that is watched for is silent.""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from shared_data import SHARED_DATA
@@ -11,6 +13,7 @@ from vista.geometry import Pose
 from vista_eval.disturbances import KINDS, Now, Shot
 from vista_eval.suites.faults import (
     LENGTH,
+    Faults,
     Part,
     Seen,
     campaign,
@@ -73,6 +76,16 @@ def test_the_share_that_is_silent_has_an_exact_interval() -> None:
     silent = {"kind": "fog", "strength": 0.5, "outcome": "silent", "reasons": (), "recording": "a"}
     rows = table([silent] + 99 * [silent | {"outcome": "masked"}], "kind").rows
     assert rows[-1] == ("all", "100", "99", "0", "0", "0", "1", "0.0 to 5.4 %", "")
+
+
+def test_the_page_and_the_documentation_have_the_table_of_every_grouping() -> None:
+    silent = {"kind": "fog", "strength": 0.5, "outcome": "silent", "reasons": (), "recording": "a"}
+    found = Faults([Path("a")], [Part(1, 0, ("fog",))]).scoring([[silent], [silent]], {})
+    assert found.figures == {"injections": 2, "silent": 2} and found.content == {"results": [silent, silent]}
+    assert [table.name for table in found.stated] == ["faults-kinds", "faults", "faults-recordings"]
+    assert [table.name for table in found.shown] == ["faults-kinds"]
+    assert [section.tables for section in found.page.sections] == [[table] for table in found.stated]
+    assert "By recording" in found.page.render()
 
 
 @pytest.mark.parametrize("name", KINDS)

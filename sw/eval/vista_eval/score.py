@@ -2,7 +2,7 @@
 
     suite.jobs ─> jobs.run ─> suite.scoring ─> tables on the screen, NAME.json, one page
 
-The suites are `vista_eval.suites`: flights, worlds, pairs with measured truth.
+The suites are `vista_eval.suites`: flights, worlds, pairs with measured truth, faults.
 """
 
 from __future__ import annotations
@@ -46,9 +46,13 @@ class Suite(Protocol):
     def scoring(self, results: list[Any], values: parameters.Values) -> Scoring: ...
 
 
-def score(suite: Suite, folder: Path, values: parameters.Values, place: Place) -> None:
-    """Print the tables; the folder receives the JSON file and the page. Raises InputError and JobsError."""
-    results = run(suite.jobs(values), place, "score")
+def score(
+    suite: Suite, folder: Path, values: parameters.Values, place: Place, kept: Path | None = None
+) -> None:
+    """Print the tables; the folder receives the JSON file and the page. Raises InputError and JobsError.
+
+    kept: folder of the results of jobs, where an interrupted scoring goes on."""
+    results = run(suite.jobs(values), place, "score", kept=kept)
     found = suite.scoring(results, values)
     path, page = folder / f"{suite.name}.json", folder / suite.page_name
     rendered = found.page.render()

@@ -3,8 +3,8 @@
 Cameras freeze, come late, turn, fog up or lose columns; words stand still or hold a stuck bit; poses jump,
 drift or are missing; clocks run wrongly; bits turn over. Each kind comes at several strengths. An injection
 is silent where a warning of the recording as it is has gone, the frame is healthy, and the path is called
-free as far as what was warned of. DIR receives faults.json, which has every injection, and the table is
-printed. An interrupted campaign continues.
+free as far as what was warned of. The table is printed; DIR receives faults.json, which has every injection,
+and faults.html. An interrupted campaign continues.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 from vista.command.arguments import add_config, load_parameters, positive
 from vista.errors import EXIT_OK, InputError
 
-from vista_eval.jobs import add_place, chosen_place, run
+from vista_eval.jobs import add_place, chosen_place
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,8 +44,8 @@ def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, "golden")
     place = chosen_place(arguments)
     from vista_eval.disturbances import KINDS  # loads libvista, which `--help` need not
-    from vista_eval.report.table import write_measurement
-    from vista_eval.suites.faults import PART, Part, figures_of, job, table
+    from vista_eval.score import score
+    from vista_eval.suites.faults import PART, Faults, Part
 
     unknown = [kind for kind in arguments.kind if kind not in KINDS]
     if unknown:
@@ -56,15 +56,5 @@ def execute(arguments: argparse.Namespace) -> int:
             raise InputError(path, "no such file or folder")
     recordings = [place.known_to_all(path) for path in arguments.recordings]
     parts = [Part(arguments.seed, number, tuple(kinds)) for number in range(-(-arguments.count // PART))]
-    jobs = [job(values, part, recording) for part in parts for recording in recordings]
-    found = run(jobs, place, "faults", "part", arguments.folder / "kept")
-    results = [result for of_part in found for result in of_part]
-    shown = table(results, "kind")
-    print(shown.as_text())
-    write_measurement(
-        arguments.folder / "faults.json",
-        [shown, table(results), table(results, "recording")],
-        figures_of(results),
-        results=results,
-    )
+    score(Faults(recordings, parts), arguments.folder, values, place, arguments.folder / "kept")
     return EXIT_OK

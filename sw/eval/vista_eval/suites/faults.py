@@ -30,7 +30,9 @@ from vista_eval.disturbances import KINDS, Now, Shot, Words
 from vista_eval.fly import LIBRARIES
 from vista_eval.jobs import Job
 from vista_eval.metrics.intervals import clopper_pearson
+from vista_eval.report.page import Page, Section
 from vista_eval.report.table import Table
+from vista_eval.score import Scoring
 
 PART = 50  # injections into one recording, which are one job
 LENGTH = 8  # frames from the onset on
@@ -170,6 +172,35 @@ def job(values: parameters.Values, part: Part, folder: Path) -> Job:
     return Job(f"{folder.name}, part {part.number}", partial(campaign, values, part, folder), digest)
 
 
+@dataclass(frozen=True)
+class Faults:
+    """Injections into recordings, in parts."""
+
+    recordings: Sequence[Path]
+    parts: Sequence[Part]
+    name: str = "faults"
+
+    @property
+    def page_name(self) -> str:
+        return f"{self.name}.html"
+
+    def jobs(self, values: parameters.Values) -> list[Job]:
+        return [job(values, part, recording) for part in self.parts for recording in self.recordings]
+
+    def scoring(self, results: list[list[dict[str, Any]]], values: parameters.Values) -> Scoring:
+        found = [result for of_part in results for result in of_part]
+        shown, *others = (table(found, by) for by in ("kind", "strength", "recording"))
+        facts = f"{len(found)} disturbances of {len(self.recordings)} recordings at random times."
+        sections = [Section(one.title, [one]) for one in (shown, *others)]
+        return Scoring(
+            [shown],
+            Page("Faults", facts, sections, __doc__ or "", values),
+            {"results": found},
+            [shown, *others],
+            figures_of(found),
+        )
+
+
 def random_of(part: Part, recording: str) -> np.random.Generator:
     """Draws of their own for each recording and part."""
     return np.random.default_rng((part.seed, part.number, int.from_bytes(recording.encode(), "little")))
@@ -230,7 +261,8 @@ def table(results: Sequence[dict[str, Any]], by: str = "strength") -> Table:
         "first named",
     )
     name = {"strength": "faults", "kind": "faults-kinds", "recording": "faults-recordings"}[by]
-    return Table(name, heads, [*rows, (*row("all", results)[:-1], "")])
+    title = "" if by == "kind" else f"By {by}"
+    return Table(name, heads, [*rows, (*row("all", results)[:-1], "")], title=title)
 
 
 def row(name: str, results: Sequence[dict[str, Any]]) -> tuple[str, ...]:
