@@ -247,7 +247,7 @@ def test_most_of_the_border_decides(first_row: int, regions: int) -> None:
 
 
 def test_a_small_region_needs_a_share_of_its_own_border_only() -> None:
-    """The patch of 12 columns and 4 rows touches the wall, whose border is many times as long, on one side alone."""
+    """The patch touches the wall, whose border is many times as long as its own, on one side alone."""
     stages = Stages(UNSCALED, FINE | {"segmentation.merge_ratio": 4.0})
     halves(stages, 20.0, 20.25)
     f = stages.foveation
