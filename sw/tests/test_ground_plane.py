@@ -107,8 +107,8 @@ def test_a_table_above_the_floor_is_not_the_floor(share: float) -> None:
 
 
 def test_a_platform_that_shows_more_than_the_ground_is_not_the_ground() -> None:
-    """It covers six tenths of what is below the horizon. No cell lies below the ground; those of the ground lie
-    below the platform."""
+    """It covers six tenths of what is below the horizon. No cell lies below the ground; those of the ground
+    lie below the platform."""
     stages = Stages(camera())
     ground, platform = (disparity_of(stages, (0, 1, 0), height_m) for height_m in (2.0, 1.0))
     u = stages.foveation.center_u
