@@ -18,13 +18,16 @@ RADIUS_M = 2.0
 CHANGES = {"obstacle_map.collision_radius_m": RADIUS_M, "obstacle_map.path_sigmas": 0.0}
 
 
+WITHOUT_END = (-1e3, 1e3)
+
+
 @dataclass(frozen=True)
 class Wall:
     """Upright, facing a level camera; without texture nothing of it is matched."""
 
     z_m: float
-    x_m: tuple[float, float] = (-1e3, 1e3)
-    y_m: tuple[float, float] = (-1e3, 1e3)
+    x_m: tuple[float, float] = WITHOUT_END
+    y_m: tuple[float, float] = WITHOUT_END
     textured: bool = True
 
 
@@ -43,19 +46,23 @@ def scene(
     """rotation: world from camera. Beyond walls and ground is sky, of which nothing is matched."""
     lens = lens or camera(WIDTH, HEIGHT, FOCAL_PX, BASELINE_M)
     turn, place = np.eye(3) if rotation is None else np.asarray(rotation), np.asarray(position, float)
-    ray = rays(lens) @ turn.T  # of depth 1 in the camera
-    depth_m, matched = np.full(ray.shape[:2], np.inf), np.zeros(ray.shape[:2], bool)
-    ground = matched.copy()
+    x_ray, y_ray, z_ray = np.ascontiguousarray(
+        np.moveaxis(rays(lens) @ turn.T, -1, 0)
+    )  # of depth 1 in the camera
+    depth_m, matched = np.full(z_ray.shape, np.inf), np.zeros(z_ray.shape, bool)
     with np.errstate(divide="ignore", invalid="ignore"):
-        surfaces = [((wall.z_m - place[2]) / ray[..., 2], wall) for wall in walls]
-        if ground_y_m is not None:
-            surfaces.append(((ground_y_m - place[1]) / ray[..., 1], None))
-        for at_m, wall in surfaces:
-            x, y, _ = np.moveaxis(place + at_m[..., None] * ray, -1, 0)
+        for wall in walls:
+            at_m = (wall.z_m - place[2]) / z_ray
             hit = (at_m > 0.1) & (at_m < depth_m)
-            if wall is not None:
-                hit &= (x >= wall.x_m[0]) & (x <= wall.x_m[1]) & (y >= wall.y_m[0]) & (y <= wall.y_m[1])
-            depth_m[hit], matched[hit], ground[hit] = at_m[hit], wall is None or wall.textured, wall is None
+            for start, along, (low, high) in ((place[0], x_ray, wall.x_m), (place[1], y_ray, wall.y_m)):
+                if (low, high) != WITHOUT_END:
+                    over_m = start + at_m * along
+                    hit &= (over_m >= low) & (over_m <= high)
+            depth_m[hit], matched[hit] = at_m[hit], wall.textured
+        if ground_y_m is not None:
+            at_m = (ground_y_m - place[1]) / y_ray
+            ground = (at_m > 0.1) & (at_m < depth_m)
+            depth_m[ground], matched[ground] = at_m[ground], True
     words = np.rint(16.0 * lens.focal_px * lens.baseline_m / depth_m)
     words = np.where(matched & (words > 0), words, INVALID).astype(np.int16)
     return Look(words, ground, pose(place, turn))
