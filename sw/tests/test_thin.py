@@ -70,7 +70,7 @@ def test_a_wire_that_is_almost_level_is_found_where_it_is(behind_px: float) -> N
 
 @pytest.mark.parametrize("angle_deg", [16.4, -16.8])
 def test_a_wire_that_is_steep_enough_for_both_searches_is_found_once(angle_deg: float) -> None:
-    """From row to row one is found from 15.9 degrees on, from column to column up to 17.4."""
+    """Lines from 15.9 degrees on are found from row to row, and those up to 17.4 from column to column."""
     random = seeded(20)
     wire = wire_at(angle_deg, 15.0, 0.015)
     image = with_wire(np.full((HEIGHT, WIDTH), 180.0), wire, random)
