@@ -2,8 +2,10 @@
 # Targets of the board, for the top Makefile.
 
 BOARD_TOOLS := .venv/board.stamp $(RTL_TOOLS)
+# Those of rtl/vista_camera.f that the engine has not.
+CAMERA_SOURCES := $(filter-out %_pkg.sv %/vista_memory.sv,$(shell grep -v "^//" rtl/vista_camera.f))
 BOARD_SOURCES := $(wildcard rtl/board/*.py rtl/board/*.toml rtl/board/gateware/*.py)
-BOARD_WIRE := $(addprefix rtl/board/sim/,simulation.cpp ethernet.cpp simulation.h ethernet.h)
+BOARD_WIRE := $(addprefix rtl/board/sim/,simulation.cpp ethernet.cpp sensors.cpp simulation.h ethernet.h sensors.h)
 comma := ,
 BOARD_BUILD = d$(D)_b$(B)_w$(W)_r$(if $(filter-out 0,$(R)),$(R),64)
 
@@ -14,14 +16,14 @@ SEED ?= 1
 MHZ ?= 45
 ADDRESS ?= 192.168.1.50
 BITSTREAM = --disparities $(D) --block $(B) --width $(call given,W,640) --rows $(call given,R,32) \
-  --points $(call given,P,1271) --mhz $(MHZ) --address $(ADDRESS)
+  --points $(call given,P,1271) $(if $(CAMERAS),--cameras) --mhz $(MHZ) --address $(ADDRESS)
 
 .PHONY: board-sim board-clocks bitstream soak-packets
 
 .venv/board.stamp: $(REQUIREMENTS)/board.txt $(REQUIREMENTS)/litex_boards.txt $(SETUP) .venv/test.stamp
 	@$(SETUP) board
 
-bitstream: $(BOARD_TOOLS) ## build the bitstream for a Colorlight i9 with the given IPv4 ADDRESS, at MHZ
+bitstream: $(BOARD_TOOLS) ## build the bitstream for a Colorlight i9 with the given IPv4 ADDRESS, at MHZ; CAMERAS=1: with two sensors
 	@$(RTL_PYTHON) rtl/flow/make_bitstream.py $(BITSTREAM)
 
 board-sim: build/board/$(BOARD_BUILD)/board-sim ## build the simulated board for D disparities, block B, frames up to W pixels wide, and R rows of the rectification (0: 64)
@@ -41,7 +43,7 @@ $(BOARD_GATEWARE): $(BOARD_SOURCES) $(RTL_SOURCES) $(wildcard rtl/csr/*.sv rtl/*
 	@$(VERILATOR) --cc --build --quiet -j 1 -O3 --x-assign fast --x-initial unique --assert \
 	  -Wno-fatal -Wno-lint -Werror-USERFATAL -DVISTA_ASSERT -Irtl/formal --top-module board --prefix Vboard \
 	  --Mdir $(@D) -CFLAGS -std=c++17 -MAKEFLAGS "OPT_FAST=-O1" \
-	  -f rtl/vista_stereo.f build/board/$*/board.v >build/board/$*/build.log 2>&1 || \
+	  -f rtl/vista_stereo.f $(CAMERA_SOURCES) build/board/$*/board.v >build/board/$*/build.log 2>&1 || \
 	  { tail -n 20 build/board/$*/build.log >&2; exit 1; }
 
 compile_board = root=$$($(VERILATOR) --getenv VERILATOR_ROOT); $(CXX) -std=c++17 -O2 -Wall -Wextra -Werror -o $@ \

@@ -41,26 +41,31 @@ USED = {
 }
 
 
-def gateware(folder: Path, numbers: list[int], mhz: float, address: str) -> None:
+def gateware(folder: Path, numbers: list[int], mhz: float, address: str, cameras: bool) -> None:
     """board.v and board.lpf."""
-    words = [*map(str, numbers), f"{mhz:g}", address]
+    words = [*map(str, numbers), f"{mhz:g}", address, *(["cameras"] if cameras else [])]
     environment = os.environ | {"PYTHONPATH": str(ROOT / "rtl" / "board")}
     command = [str(BIN / "python"), "-m", "gateware.colorlight_i9", str(folder), *words]
     call(command, folder, "gateware.log", environment)
 
 
-def netlist(folder: Path, numbers: list[int]) -> None:
+def netlist(folder: Path, numbers: list[int], cameras: bool) -> None:
     """Yosys reads the engine through slang, with its parameters worked in, and LiteX's Verilog by itself."""
     values = dict(zip(PARAMETERS, numbers, strict=True))
     given = "-G FrontEnd=1 " + " ".join(f"-G {name}={value}" for name, value in values.items())
     worked_in = "-unset FrontEnd " + " ".join(f"-unset {name}" for name in values)
+    pair = "read_slang --top vista_camera_pair -G Depth=1024 -G SkewW=16 " + " ".join(
+        map(str, sources("vista_camera.f"))
+    )
     script = f"""
 from pyosys import libyosys as ys
 design = ys.Design()
 engine = "{" ".join(map(str, sources("vista_stereo.f")))}"
 ys.run_pass("read_slang --top vista_stereo {given} " + engine, design)
+{f'ys.run_pass("{pair}", design)' if cameras else ""}
 ys.run_pass("read_verilog board.v", design)
 ys.run_pass("setparam {worked_in} board/t:vista_stereo", design)
+{'ys.run_pass("setparam -unset Depth -unset SkewW board/t:vista_camera_pair", design)' if cameras else ""}
 ys.run_pass("synth_ecp5 -top board -json net.json", design)
 """
     (folder / "synth.py").write_text(script)
@@ -99,6 +104,8 @@ def place_and_route(folder: Path, seed: int, timeout_s: float) -> dict[str, Any]
 
 
 def clock_name(net: str) -> str:
+    if "sensor" in net:
+        return "a sensor"
     return "Ethernet" if "eth_clocks" in net else "memory, server and engine"
 
 
@@ -143,15 +150,23 @@ def main() -> None:
         metavar="MIN",
         help="minutes after which the next seed is tried (40; place and route takes some 12)",
     )
+    parser.add_argument("--cameras", action="store_true", help="with two sensors at the board")
     parser.add_argument("--save", action="store_true", help="write the figures into rtl/synth/results.json")
     args = parser.parse_args()
     numbers = {name: getattr(args, name) for name in NUMBERS}
-    folder = ROOT / "build" / "bitstream" / "_".join(f"{name[0]}{n}" for name, n in numbers.items())
+    folder = (
+        ROOT
+        / "build"
+        / "bitstream"
+        / "_".join(
+            [*(f"{name[0]}{n}" for name, n in numbers.items()), *(["cameras"] if args.cameras else [])]
+        )
+    )
     folder.mkdir(parents=True, exist_ok=True)
     bitstream = folder / "vista.bit"
     bitstream.unlink(missing_ok=True)
-    gateware(folder, [*numbers.values()], args.mhz, args.address)
-    netlist(folder, [*numbers.values()])
+    gateware(folder, [*numbers.values()], args.mhz, args.address, args.cameras)
+    netlist(folder, [*numbers.values()], args.cameras)
     used = first_that_is_met(folder, args.seeds, 60 * args.give_up)
     pack(folder, bitstream)
     print(f"bitstream: {bitstream.relative_to(ROOT)}")

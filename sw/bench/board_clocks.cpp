@@ -3,11 +3,15 @@
 // client waits, for an answer or for a pause to end, and the client's clock is the board's. What the client computes
 // takes no time; what a network and a host take can be given. Each run gives the same clocks, on a machine however busy.
 //
-//   board-clocks WIDTH HEIGHT LEVELS FRAMES [ROUND_TRIP_NS]
+//   board-clocks WIDTH HEIGHT LEVELS FRAMES [ROUND_TRIP_NS [--pairs FILE --words FILE [options of the sensors]]]
 //
 // Sends and fetches frames as fast as the client does, two at a time on the board. Prints for each frame the clock in
 // which the engine began with it and the one in which it had ended. The linker puts the functions named __wrap_ in place
 // of those of the system.
+//
+// With pairs the board takes them from its sensors (rtl/board/sim/sensors.h), smoothed, and the client receives them; the
+// words go to a file. Then there are lines with a word before them: `frame`, its number and the clock in which all its
+// words were there; `fault`, moment, side and what happened to a sensor; `counts`, what the client counted, and moments.
 
 #include <cerrno>
 #include <cstdint>
@@ -16,6 +20,8 @@
 #include <cstring>
 #include <ctime>
 #include <deque>
+#include <fstream>
+#include <string>
 #include <vector>
 
 #include <poll.h>
@@ -32,7 +38,11 @@ constexpr int32_t kTimeoutMs = 2000;
 
 class Host {
  public:
-  explicit Host(int64_t round_trip_ns) : round_trip_ns_(round_trip_ns) {}
+  Host(int64_t round_trip_ns, const SensorOptions &sensors)
+      : board_(Faults{}, sensors), round_trip_ns_(round_trip_ns) {}
+
+  int64_t clocks() const { return board_.clocks(); }
+  const Sensors &sensors() const { return *board_.sensors(); }
 
   int64_t now_ns() const { return board_.clocks() * kNsPerUs / kClockMhz; }
   bool has_packet() const { return !arriving_.empty() && arriving_.front().due_ns <= now_ns(); }
@@ -69,7 +79,7 @@ class Host {
       std::printf("%lld %lld\n", static_cast<long long>(begun_), static_cast<long long>(board_.clocks()));
   }
 
-  Simulation board_{Faults{}};
+  Simulation board_;
   int64_t round_trip_ns_;
   std::deque<Arriving> arriving_;
   bool busy_ = false;
@@ -126,26 +136,75 @@ void check(vista_status status) {
   std::exit(1);
 }
 
-void run(int32_t width, int32_t height, int32_t levels, int frames) {
+struct Options {
+  int32_t width = 0, height = 0, levels = 0, frames = 0;
+  int64_t round_trip_ns = 0;
+  SensorOptions sensors;
+  std::string words;
+};
+
+Options parse(int argc, char **argv) {
+  Options options;
+  options.width = std::atoi(argv[1]);
+  options.height = std::atoi(argv[2]);
+  options.levels = std::atoi(argv[3]);
+  options.frames = std::atoi(argv[4]);
+  if (argc > 5) options.round_trip_ns = std::atoll(argv[5]);
+  for (int i = 6; i + 1 < argc; i += 2) {
+    if (argv[i] == std::string("--words"))
+      options.words = argv[i + 1];
+    else if (!take_sensor_option(&options.sensors, argv[i], argv[i + 1]))
+      std::fprintf(stderr, "board-clocks: unknown option %s\n", argv[i]), std::exit(2);
+  }
+  options.sensors.width = options.width;
+  options.sensors.height = options.height;
+  return options;
+}
+
+void stream(vista_board *board, const Options &options, std::vector<int16_t> *words) {
+  std::ofstream file(options.words, std::ios::binary);
+  check(vista_board_start(board));
+  for (int frame = 0; frame < options.frames; ++frame) {
+    int64_t number;
+    check(vista_board_receive(board, words->data(), static_cast<int64_t>(words->size()), &number));
+    std::printf("frame %lld %lld\n", static_cast<long long>(number), static_cast<long long>(host->clocks()));
+    file.write(reinterpret_cast<const char *>(words->data()), static_cast<std::streamsize>(2 * words->size()));
+  }
+  check(vista_board_stop(board));
+  const vista_board_counts counts = vista_board_count(board);
+  for (const FaultOf &fault : host->sensors().faults())
+    std::printf("fault %lld %d %s\n", static_cast<long long>(fault.moment), fault.side, name_of(fault.what));
+  std::printf("counts %lld %lld %lld %lld %lld\n", static_cast<long long>(counts.frames),
+              static_cast<long long>(counts.lost), static_cast<long long>(counts.refused_left),
+              static_cast<long long>(counts.refused_right), static_cast<long long>(host->sensors().moments()));
+}
+
+void exchange(vista_board *board, const Options &options, std::vector<int16_t> *words) {
+  const std::vector<uint8_t> image(static_cast<size_t>(options.width) * options.height);
+  for (int frame = 0; frame <= options.frames; ++frame) {
+    if (frame < options.frames) check(vista_board_submit(board, image.data(), image.data(), options.width));
+    if (frame > 0) check(vista_board_collect(board, words->data(), static_cast<int64_t>(words->size())));
+  }
+}
+
+void run(const Options &options) {
+  const bool cameras = !options.sensors.pairs.empty();
   std::vector<char> memory(vista_board_bytes());
   vista_board *board = nullptr;
   check(vista_board_connect(memory.data(), memory.size(), "127.0.0.1", VISTA_BOARD_PORT, kTimeoutMs, &board));
   vista_board_settings settings{};
-  settings.width_px = width;
-  settings.height_px = height;
+  settings.width_px = options.width;
+  settings.height_px = options.height;
   settings.xsobel = 1;
   settings.prefilter_cap = 31;
   settings.texture_threshold = 10;
   settings.uniqueness_ratio = 15;
   settings.lr_max_diff = 1;
-  settings.levels = levels;
+  settings.levels = options.levels;
+  settings.smooth = settings.cameras = cameras;
   check(vista_board_configure(board, &settings));
-  const std::vector<uint8_t> image(static_cast<size_t>(width) * height);
   std::vector<int16_t> words(static_cast<size_t>(vista_board_words(board)));
-  for (int frame = 0; frame <= frames; ++frame) {
-    if (frame < frames) check(vista_board_submit(board, image.data(), image.data(), width));
-    if (frame > 0) check(vista_board_collect(board, words.data(), static_cast<int64_t>(words.size())));
-  }
+  (cameras ? stream : exchange)(board, options, &words);
   vista_board_disconnect(board);
 }
 
@@ -153,11 +212,12 @@ void run(int32_t width, int32_t height, int32_t levels, int frames) {
 
 int main(int argc, char **argv) {
   Verilated::commandArgs(argc, argv);
-  if (argc < 5 || argc > 6) {
-    std::fprintf(stderr, "usage: board-clocks WIDTH HEIGHT LEVELS FRAMES [ROUND_TRIP_NS]\n");
+  if (argc < 5) {
+    std::fprintf(stderr, "usage: board-clocks WIDTH HEIGHT LEVELS FRAMES [ROUND_TRIP_NS [OPTIONS]]\n");
     return 2;
   }
-  Host with_board(argc > 5 ? std::atoll(argv[5]) : 0);
+  const Options options = parse(argc, argv);
+  Host with_board(options.round_trip_ns, options.sensors);
   host = &with_board;
-  run(std::atoi(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]), std::atoi(argv[4]));
+  run(options);
 }

@@ -48,6 +48,18 @@ class Client:
         call(lib.vista_board_collect(self.board, ffi.from_buffer("int16_t[]", words), words.size))
         return words
 
+    def start(self) -> None:
+        call(lib.vista_board_start(self.board))
+
+    def stop(self) -> None:
+        call(lib.vista_board_stop(self.board))
+
+    def receive(self) -> tuple[int, np.ndarray]:
+        words = np.zeros(lib.vista_board_words(self.board), np.int16)
+        number = ffi.new("int64_t *")
+        call(lib.vista_board_receive(self.board, ffi.from_buffer("int16_t[]", words), words.size, number))
+        return number[0], words
+
     def build(self) -> Any:
         build = ffi.new("vista_board_build *")
         call(lib.vista_board_identify(self.board, build))

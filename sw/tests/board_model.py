@@ -68,6 +68,9 @@ class BoardModel:
         self.hold_s = wire.CONSTANTS["HOLD_MS"] / 1000
         self.mixed_up = 0  # chunks that are sent with the words of another
         self.overruns = self.foreign = 0
+        # Pairs that its cameras show, one with each status; an empty one is a frame that found no partner.
+        self.shown: list[bytes] = []
+        self.refused = 0
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
         self.socket.settimeout(0.02)
@@ -81,6 +84,7 @@ class BoardModel:
         self.status_token = 0
         self.opened = {"width": 0, "height": 0, "chunks_in": 0, "words_out": 0}
         self.slots = [Slot(i) for i in range(SLOTS)]
+        self.streams, self.next_pair = False, 0
 
     def serve(self, stop: threading.Event) -> None:
         while not stop.is_set():
@@ -117,7 +121,10 @@ class BoardModel:
             return
         self._finish()
         self.status_token = max(self.status_token, token)
-        values = {"credits": self.credits, "last_write": self.last_write}
+        if self.streams and self.shown:
+            self._take_pair(self.shown.pop(0))
+        values = {"credits": self.credits, "cameras": 1, "last_write": self.last_write}
+        values["refused_left"] = self.refused & 0xFFFF
         values["held"] = self._held()
         values["busy"] = any(slot.state == wire.STATES["running"] for slot in self.slots)
         for i, slot in enumerate(self.slots):
@@ -149,7 +156,10 @@ class BoardModel:
             return
         self.last_write += 1
         for value in np.frombuffer(body, "<u4", header["count"]):
-            self.engine.write(header["index"], int(value))
+            if header["index"] == wire.CONSTANTS["CAMERAS"]:
+                self.streams = bool(value)
+            else:
+                self.engine.write(header["index"], int(value))
 
     def _read(self, header: dict[str, int], _body: bytes) -> None:
         addresses = range(header["index"], header["index"] + 4 * header["count"], 4)
@@ -170,6 +180,16 @@ class BoardModel:
             slot.stream = self.engine.stream(pixels)
             assert len(slot.stream) == 4 * self.opened["words_out"]
             slot.state, slot.done_at = wire.STATES["running"], time.monotonic() + self.matching_s
+
+    def _take_pair(self, pixels: bytes) -> None:
+        if not pixels:
+            self.refused += 1
+            return
+        slot = self.slots[self.next_pair % SLOTS]
+        if slot.state == wire.STATES["filling"]:
+            slot.frame, slot.stream = self.next_pair, self.engine.stream(pixels)
+            slot.state, slot.done_at = wire.STATES["running"], time.monotonic() + self.matching_s
+        self.next_pair += 1
 
     def _finish(self) -> None:
         for slot in self.slots:

@@ -47,6 +47,44 @@ def make_board(
     return BoardModel(EngineModel(build or Build()), *links, credits=credits)
 
 
+@pytest.mark.parametrize("loss", [0.0, 0.1])
+def test_pairs_of_the_cameras_are_right_or_reported(loss: float) -> None:
+    """The link loses and doubles requests and replies; pairs without room are lost, some frames refused."""
+    rng = seeded(2290)
+    settings = SETTINGS | {"width_px": 60, "height_px": 20, "levels": 2, "cameras": 1}
+    board = make_board(rng, loss)
+    board.refused = 65534  # before the session; the counter goes round in it
+    with connected(board) as client:
+        client.configure(settings)
+        client.start()
+        pairs = [random_pair(rng, settings) for _ in range(20)]
+        pixels = [np.stack(pair, -1).tobytes() for pair in pairs]
+        board.shown = [one for i in range(20) for one in ([b""] * (i % 5 == 0) + [pixels[i]])]
+        numbers = []
+        while board.shown or any(slot.state >= wire.STATES["running"] for slot in board.slots):
+            number, words = client.receive()
+            numbers.append(number)
+            np.testing.assert_array_equal(words, golden(settings, *pairs[number]))
+        client.stop()
+        assert numbers == sorted(set(numbers)) and len(numbers) > 5
+        assert (client.counts.frames, client.counts.lost) == (len(numbers), numbers[-1] + 1 - len(numbers))
+        assert client.counts.refused_left == 4 and client.counts.refused_right == 0
+        with pytest.raises(BoardError, match="ERROR_ORDER"):
+            client.submit(*pairs[0])
+
+
+def test_cameras_that_show_nothing_are_no_frame() -> None:
+    board = make_board(seeded(2291))
+    with connected(board, timeout_ms=300) as client:
+        client.configure(SETTINGS)
+        with pytest.raises(BoardError, match="ERROR_ORDER"):
+            client.start()
+        client.configure(SETTINGS | {"cameras": 1})
+        client.start()
+        with pytest.raises(BoardError, match="ERROR_FRAME"):
+            client.receive()
+
+
 @pytest.mark.parametrize("loss", [0.0, 0.01, 0.2])
 @pytest.mark.parametrize("index", range(4))
 def test_words_are_the_golden_ones(index: int, loss: float) -> None:

@@ -15,6 +15,7 @@ from itertools import pairwise
 from pathlib import Path
 from random import Random
 
+import board_clocks
 import numpy as np
 import pytest
 import sequence_cases as cases
@@ -332,6 +333,97 @@ def write_register(port: int, address: int, value: int) -> None:
         place = {"session": header["session"], "frame": number, "index": address, "count": 1}
         link.send(wire.packet({"kind": wire.REQUESTS["write"], "token": 2} | place, wire.to_bytes([value])))
         assert wire.parse_payload("status", wire.parse(link.recv(2048))[1])["last_write"] == number
+
+
+CAMERA_SETTINGS = SETTINGS | {"width_px": 200, "height_px": 120, "smooth": 1, "levels": 2}
+PAIRS = 12  # that the sensors show, one after the other
+SENSORS = ["--pixel-mhz", "30", "--line-blanking", "60", "--rate", "600"]
+
+
+def shown_to(folder: Path, settings: dict) -> tuple[Path, list[np.ndarray]]:
+    """A file of pairs for the sensors, and the words of each."""
+    rng = seeded(2420)
+    pairs = [random_pair(rng, settings) for _ in range(PAIRS)]
+    file = folder / "pairs.raw"
+    file.write_bytes(b"".join(np.ascontiguousarray(image).tobytes() for pair in pairs for image in pair))
+    words = [golden(settings, *pair) for pair in pairs]
+    assert len({one.tobytes() for one in words}) == PAIRS
+    return file, words
+
+
+def test_cameras_of_the_board_start_stop_and_are_received(program: Path, tmp_path: Path) -> None:
+    """The client comes when it will: pairs that had no room are gaps in the numbers, and count as lost."""
+    settings = CAMERA_SETTINGS | {"cameras": 1}
+    file, words = shown_to(tmp_path, settings)
+    size = ["--width", str(settings["width_px"]), "--height", str(settings["height_px"])]
+    with simulated(program, "--pairs", str(file), *size, *SENSORS) as board, connected(board) as client:
+        assert client.build().cameras == 1
+        client.configure(settings)
+        with pytest.raises(BoardError, match="ERROR_ORDER"):
+            client.submit(*random_pair(seeded(2421), settings))
+        numbers = []
+        for _ in range(2):
+            client.start()
+            for _ in range(3):
+                number, found = client.receive()
+                numbers.append(number)
+                assert any(np.array_equal(found, one) for one in words)
+            client.stop()
+        assert numbers == sorted(set(numbers))
+        counts = client.counts
+        assert (counts.frames, counts.lost) == (6, numbers[-1] - 5)
+        assert (counts.refused_left, counts.refused_right) == (0, 0)
+        client.configure(SETTINGS)
+        with pytest.raises(BoardError, match="ERROR_ORDER"):
+            client.start()
+        pair = random_pair(seeded(2422), SETTINGS)
+        client.submit(*pair)
+        np.testing.assert_array_equal(client.collect(), golden(SETTINGS, *pair))
+
+
+def streamed(folder: Path, settings: dict, frames: int, *options: str) -> tuple[dict, np.ndarray]:
+    """What board-clocks says, line by line under their first words, and the words that were received."""
+    words = folder / "words.raw"
+    numbers = (settings["width_px"], settings["height_px"], settings["levels"], frames, 0)
+    command = [made(CLOCKS), *map(str, numbers), "--words", str(words), *options]
+    said: dict = {"frame": [], "fault": [], "counts": []}
+    for line in subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines():
+        name, *values = line.split()
+        if name in said:
+            said[name].append(values)
+    return said, np.fromfile(words, np.int16).reshape(frames, -1)
+
+
+def test_sensors_that_fail_give_right_frames_or_none(tmp_path: Path) -> None:
+    """A third of the moments lack a frame or a part of it on one side. Every other one arrives; none of
+    these does, and each is reported: as lost if a pair had begun, else as refused."""
+    settings = CAMERA_SETTINGS
+    file, words = shown_to(tmp_path, settings)
+    seed = str(seeded(2423).integers(1 << 30))
+    faults = ["--pairs", str(file), *SENSORS, "--faults", "0.33", "--sensor-seed", seed]
+    said, found = streamed(tmp_path, settings, 30, *faults)
+    ill = {int(moment): what for moment, _, what in said["fault"]}
+    (frames, lost, left, right, moments) = map(int, said["counts"][0])
+    first = next(i for i, one in enumerate(words) if np.array_equal(found[0], one))
+    well = [m for m in range(first, moments) if m not in ill][:frames]
+    for moment, one in zip(well, found, strict=True):
+        np.testing.assert_array_equal(one, words[moment % PAIRS], err_msg=str(moment))
+    seen = [what for moment, what in ill.items() if first <= moment < well[-1]]
+    begun = sum(what not in ("missing", "late") for what in seen)
+    assert len(seen) > 5 and begun <= lost <= begun + 3  # those behind the last one, and before the first
+    assert left + right >= seen.count("missing") + 2 * seen.count("late") > 0
+
+
+@pytest.mark.parametrize(("levels", "rate_hz"), [(1, 340), (3, 230)])
+def test_the_model_takes_the_clocks_of_a_board_with_cameras(
+    tmp_path: Path, levels: int, rate_hz: int
+) -> None:
+    """Both receive every frame of the sensors, and work at one for as long, within 1 %."""
+    row = board_clocks.camera_row((320, 240), levels, rate_hz, 8, tmp_path)
+    for side in ("board", "model"):
+        assert row[side]["received"] == row[side]["of"], side
+    assert row["model"]["engine_clocks"] == pytest.approx(row["board"]["engine_clocks"], rel=0.01)
+    assert row["model"]["period_clocks"] == pytest.approx(row["board"]["period_clocks"], rel=0.01)
 
 
 def test_run_gives_the_same_obstacles(

@@ -37,7 +37,8 @@ void BoardReader::served(int64_t clock) {
 }
 
 void BoardReader::edge(int64_t now) {
-  if (queue_ > 0 && !wanted_.empty() && addresses_.size() < queue_) addresses_.emplace_back(now, next_address());
+  if (queue_ > 0 && !wanted_.empty() && addresses_.size() < queue_ && !(gives_way_to_ && gives_way_to_->bursts()))
+    addresses_.emplace_back(now, next_address());
 }
 
 bool BoardReader::take(int64_t ps) {
@@ -66,12 +67,15 @@ void BoardWriter::write_all(int64_t address, int64_t words) {
 }
 
 void BoardWriter::wait_until_idle() {
+  flushes_ = true;
   while (!quiet()) memory_.pass(std::max<int64_t>(1, words_left_));
+  flushes_ = false;
 }
 
 clocks::Sdram::Command BoardWriter::command(int64_t now) {
   for (; !leaving_.empty() && leaving_.front() < memory_.clock_; leaving_.pop_front()) --data_;
-  if (data_ >= kData || addresses_.empty() || addresses_.front().first >= now) return {};
+  bursts_ = !addresses_.empty() && (bursts_ || flushes_ || addresses_.size() >= burst_);
+  if (!bursts_ || data_ >= kData || addresses_.front().first >= now) return {};
   return {true, true, addresses_.front().second};
 }
 
@@ -92,13 +96,14 @@ BoardMemory::BoardMemory(const sc_core::sc_module_name& name, const Configuratio
       store(*this, 16),
       levels(*this, 16 + 16, 0, 2, false),
       pixels(*this, 64, 2, 2, false),
-      words(*this, 2),
+      words(*this, 64, 32),
       to_host(*this, 32, 2, 1, true),
       from_host(*this, 2),
       edges(c.memory_clock_hz),
       sdram_(c.memory_clock_hz),
       ports_{&store, &levels, &pixels, &words, &to_host, &from_host} {
   store.follow(levels);
+  if (c.board_cameras) to_host.give_way_to(words);
 }
 
 void BoardMemory::advance(int64_t ps) {

@@ -16,6 +16,7 @@
 namespace vista {
 
 class BoardMemory;
+class BoardWriter;
 
 // What lies between a port of the memory and its user. Times are those of clock edges, and may lie ahead of the
 // kernel's. A word that enters a queue at an edge is seen by what is behind it a clock later.
@@ -50,6 +51,8 @@ class BoardReader : public BoardPort {
   bool take(int64_t ps);
   // Notes when a word that was taken before leaves.
   void leave(int64_t ps) { left_.push_back(ps); }
+  // Asks for nothing while this one has a burst to write.
+  void give_way_to(const BoardWriter& writer) { gives_way_to_ = &writer; }
   // Suspends the caller until all words that were asked for have come, of one that drains.
   void wait_for_all();
 
@@ -71,14 +74,15 @@ class BoardReader : public BoardPort {
   std::deque<Range> wanted_;
   std::deque<std::pair<int64_t, int64_t>> addresses_;  // and when they entered
   bool drains_;
+  const BoardWriter* gives_way_to_ = nullptr;
   int64_t coming_ = 0;  // words that were asked for and have not come
   std::deque<int64_t> came_, left_;
 };
 
-// LiteDRAM's DMA writer behind a queue.
+// LiteDRAM's DMA writer behind a queue. It waits until `burst` words are there, and writes all of them then.
 class BoardWriter : public BoardPort {
  public:
-  BoardWriter(BoardMemory& memory, size_t queue) : BoardPort(memory), queue_(queue) {}
+  BoardWriter(BoardMemory& memory, size_t queue, size_t burst = 1) : BoardPort(memory), queue_(queue), burst_(burst) {}
 
   // Whether a word can be written in the clock that begins then. Suspends the caller as BoardMemory::advance does.
   bool has_room(int64_t ps);
@@ -87,10 +91,12 @@ class BoardWriter : public BoardPort {
   void write_all(int64_t address, int64_t words);
   // Suspends the caller until all words have been accepted.
   void wait_until_idle();
+  // More of a burst is left than the registers before the port hold.
+  bool bursts() const { return bursts_ && addresses_.size() > kRegisters; }
   void follow(BoardReader& reader) { follower_ = &reader; }  // reads each word that was accepted
 
  private:
-  static constexpr size_t kData = 16;  // words that wait for the chip
+  static constexpr size_t kRegisters = 2, kData = 16;  // words before the port, and that wait for the chip
 
   clocks::Sdram::Command command(int64_t now) override;
   void accepted(int64_t now) override;
@@ -98,7 +104,8 @@ class BoardWriter : public BoardPort {
   void edge(int64_t now) override;
   bool quiet() const override { return addresses_.empty() && words_left_ == 0; }
 
-  size_t queue_, data_ = 0;
+  size_t queue_, burst_, data_ = 0;
+  bool bursts_ = false, flushes_ = false;
   std::deque<std::pair<int64_t, int64_t>> addresses_;  // and when they entered
   std::deque<int64_t> leaving_;
   int64_t next_address_ = 0, words_left_ = 0;  // of `write_all`

@@ -25,8 +25,8 @@ class Camera : public sc_core::sc_module {
  private:
   void run();
 
-  int64_t frames_, pixels_, width_, chunk_;
-  double period_ns_, line_ns_, pixel_ns_;
+  const Configuration configuration_;
+  int64_t chunk_;
 };
 
 }  // namespace vista

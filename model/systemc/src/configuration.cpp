@@ -121,6 +121,7 @@ const std::vector<Key>& keys() {
       real("link_bytes_s", &C::link_bytes_s, 1e3, 1e12, true),
       real("link_round_trip_ns", &C::link_round_trip_ns, 0, 1e9),
       real("memory_clock_hz", &C::memory_clock_hz, 1e6, 1e9, true),
+      choice("board_cameras", &C::board_cameras, "on", "off"),
       real("camera_rate_hz", &C::camera_rate_hz, 0.01, 10000, true),
       real("camera_pixel_clock_hz", &C::camera_pixel_clock_hz, 1e3, 10e9),
       integer("camera_horizontal_blanking_px", &C::camera_horizontal_blanking_px, 0, 100000),
@@ -187,6 +188,10 @@ void check(const Configuration& c) {
     throw ConfigurationError("compute_words", "on, but only times are known of the front end (rectify_rows)");
   if (c.has_board() != (c.memory_clock_hz > 0))
     throw ConfigurationError("memory_clock_hz", "of a board (link_bytes_s): a board has one, nothing else has");
+  if (c.board_cameras && !c.has_board())
+    throw ConfigurationError("board_cameras", "on, but there is no board (link_bytes_s)");
+  if (c.board_cameras && c.rectify_rows == 0)
+    throw ConfigurationError("board_cameras", "on, but the board has no front end (rectify_rows)");
   if (c.has_board() && c.lanes > 1) throw ConfigurationError("lanes", "a board (link_bytes_s) has one");
   if (c.has_board() && !c.rectify_ms.empty())
     throw ConfigurationError("rectify_ms", "a board (link_bytes_s) gets its pairs unrectified");
@@ -278,6 +283,15 @@ double Configuration::line_ns() const {
 
 double Configuration::readout_ns() const {
   return line_ns() * static_cast<double>(height_px - 1) + static_cast<double>(width_px) * 1e9 / camera_pixel_clock_hz;
+}
+
+int64_t Configuration::came_ps(int64_t frame, int64_t pixels_of_frame) const {
+  const double begin_ns = static_cast<double>(frame) * period_ns();
+  if (pixels_of_frame == 0) return std::llround(begin_ns * 1e3);
+  const int64_t last = pixels_of_frame - 1;
+  const double row_ns = static_cast<double>(last / width_px) * line_ns();
+  return std::llround((begin_ns + row_ns + static_cast<double>(last % width_px + 1) * 1e9 / camera_pixel_clock_hz) *
+                      1e3);
 }
 
 double Configuration::period_ns() const {

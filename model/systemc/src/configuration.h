@@ -41,6 +41,7 @@ struct Configuration {
   int64_t rectify_rows = 0, levels = 1;  // of the front end in hardware; no rows: without front end
   double link_bytes_s = 0, link_round_trip_ns = 0;  // to a board; no bytes: the camera feeds its memory
   double memory_clock_hz = 0;                       // of the SDRAM of a board
+  bool board_cameras = false;                       // a board's own: no pair goes over the link
 
   double camera_rate_hz = 60, camera_pixel_clock_hz = 27e6;
   int64_t camera_horizontal_blanking_px = 160, camera_vertical_blanking_lines = 45;
@@ -71,6 +72,8 @@ struct Configuration {
   double line_ns() const;     // of the camera, blanking included
   double readout_ns() const;  // first to last pixel of a frame
   double period_ns() const;   // from frame to frame
+  // The time at which so many pixels of a frame have come; of none: at which it begins.
+  int64_t came_ps(int64_t frame, int64_t pixels_of_frame) const;
 };
 
 // Throws ConfigurationError.

@@ -111,7 +111,9 @@ void FrontEnd::pass_pyramid(int64_t clock) {
   if (passed_ - left_ > width(smoothed_) + kSmoothAhead + kSmoothClocks + kSlack) return;
   const bool more = pyramid_.level + 1 < static_cast<int64_t>(level_px_.size());
   if (more && !buffer_.has_room(clock)) return;
-  if (pyramid_.level == 0 ? !rectified(clock) : clock < level_clock_ + kLevelClocks || !buffer_.take(clock)) return;
+  if (pyramid_.level == 0 ? !rectified(clock)
+                          : clock < level_clock_ + kLevelClocks || !buffer_.take(clock, width(pyramid_)))
+    return;
   if (pyramid_.level == 0) read_clocks_.pop_front();
   passed_clocks_.push_back(clock);
   ++passed_;
@@ -122,7 +124,7 @@ void FrontEnd::pass_pyramid(int64_t clock) {
     const int64_t past = std::max<int64_t>(0, done - lag), row = past / width(pyramid_),
                   column = past % width(pyramid_);
     const int64_t stored = done == all ? level_px_[next] : row / 2 * level_width_[next] + (row % 2 ? column / 2 : 0);
-    buffer_.store(clock, stored, done == all);
+    buffer_.store(clock, stored, level_width_[next], done == all);
   }
   if (pyramid_.pixel + 1 == pixels(pyramid_)) level_clock_ = clock;
   go_on(pyramid_);

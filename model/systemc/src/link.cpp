@@ -39,6 +39,7 @@ Link::Link(const sc_core::sc_module_name& name, const Configuration& c, const Li
 
 void Link::run() {
   for (;;) {
+    const bool waits_for_words = frames_ > 0 || configuration_.board_cameras;
     Buffer* const room = frames_ < kFrames && ends_.captured.any_waiting() ? ends_.received.begin_writing(-1) : nullptr;
     Buffer* const at_host = !room && ends_.results.any_waiting() ? ends_.fetched.begin_writing(-1) : nullptr;
     const int64_t begin = now_ps();
@@ -48,8 +49,12 @@ void Link::run() {
       ++frames_;
     } else if (at_host) {
       fetch(*ends_.results.begin_reading(), *at_host);
-      --frames_;
-    } else if (frames_ > 0) {  // the client waits for the first of them
+      if (!configuration_.board_cameras) --frames_;
+    } else if (waits_for_words && configuration_.board_cameras) {
+      wait_until(now_ps() + from_ns(kPauseNs).value());
+      ask();
+      continue;
+    } else if (waits_for_words) {  // the client waits for the first of them
       ask();
       if (!ends_.results.any_waiting()) wait_until(now_ps() + from_ns(kPauseNs).value());
       continue;
@@ -145,6 +150,7 @@ void Link::fetch(Buffer& result, Buffer& fetched) {
   from_board_.peek(result.address, data.data(), bytes);
   wait_until(leaving.back());
   wait_until(to_host_.write(fetched.address, data.data(), bytes));
+  if (configuration_.board_cameras) ask();  // to give up the frame
   fetched.frame = result.frame;
   ends_.results.release(result);
   ends_.fetched.publish(fetched);

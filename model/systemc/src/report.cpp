@@ -166,15 +166,16 @@ std::string buffers(const System& s) {
   const Configuration& c = s.configuration;
   int64_t fetch = 0, result = 0;
   for (const Lane& lane : s.lanes) {
-    fetch = std::max(fetch, lane.fetch_dma->high_water_bytes());
+    if (lane.fetch_dma) fetch = std::max(fetch, lane.fetch_dma->high_water_bytes());
     result = std::max(result, lane.result_dma->high_water_bytes());
   }
-  return json_object({{"captured", pool(s.captured)},
-                      {"rectified", s.rectified ? pool(*s.rectified) : "null"},
-                      {"result", pool(s.results)},
-                      {"capture_fifo", fifo(c.capture_fifo_bytes, s.capture_dma.high_water_bytes())},
-                      {"fetch_fifo", fifo(c.dma_fifo_bytes, fetch)},
-                      {"result_fifo", fifo(c.dma_fifo_bytes, result)}});
+  return json_object(
+      {{"captured", pool(s.captured)},
+       {"rectified", s.rectified ? pool(*s.rectified) : "null"},
+       {"result", pool(s.results)},
+       {"capture_fifo", fifo(c.capture_fifo_bytes, s.capture_dma ? s.capture_dma->high_water_bytes() : 0)},
+       {"fetch_fifo", fifo(c.dma_fifo_bytes, fetch)},
+       {"result_fifo", fifo(c.dma_fifo_bytes, result)}});
 }
 
 }  // namespace

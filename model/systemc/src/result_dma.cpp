@@ -82,7 +82,10 @@ void ResultDma::run() {
     FrameEntry& entry = log_[job.buffer->frame];
     entry.result_end = now_ps();
     entry.engine = &engine_.frame(frames_++);
-    results_.publish(*job.buffer);
+    if (entry.drop == Drop::kNone)
+      results_.publish(*job.buffer);
+    else
+      results_.release(*job.buffer);
   }
 }
 

@@ -62,15 +62,17 @@ System::System(const sc_core::sc_module_name& name, const Configuration& c, std:
               log),
       fetched(fetched_pool(c, log)),
       link(make_link()),
-      camera("camera", c),
-      capture_dma("capture_dma", c, images, memory_of_host(), captured, log),
+      camera(c.board_cameras ? nullptr : std::make_unique<Camera>("camera", c)),
+      capture_dma(c.board_cameras
+                      ? nullptr
+                      : std::make_unique<CaptureDma>("capture_dma", c, images, memory_of_host(), captured, log)),
       rectifier(rectified ? std::make_unique<Rectifier>("rectifier", configuration, memory, captured, *rectified,
                                                         c.host_cores == 2 ? rectify_core : host_core, log)
                           : nullptr),
       lanes(make_lanes()),
       host("host", configuration, memory_of_host(), fetched ? *fetched : results, host_core, log, words_out),
       background(c.background_bytes_s > 0 ? std::make_unique<Background>("background", c, memory) : nullptr) {
-  camera.video(capture_dma);
+  if (camera) camera->video(*capture_dma);
 }
 
 std::unique_ptr<Link> System::make_link() {
@@ -89,15 +91,19 @@ std::vector<Lane> System::make_lanes() {
     lane.engine = std::make_unique<Engine>(("engine" + n).c_str(), c.build(), c.level_sizes());
     lane.result_dma = std::make_unique<ResultDma>(("result_dma" + n).c_str(), c, i, *lane.engine, memory, results, log,
                                                   board_memory.get());
-    lane.fetch_dma = std::make_unique<FetchDma>(("fetch_dma" + n).c_str(), c, i, memory, pairs, results,
-                                                *lane.result_dma, log, board_memory.get());
+    if (c.board_cameras)
+      lane.pair_feed = std::make_unique<PairFeed>("pair_feed", c, results, *lane.result_dma, log, *board_memory);
+    else
+      lane.fetch_dma = std::make_unique<FetchDma>(("fetch_dma" + n).c_str(), c, i, memory, pairs, results,
+                                                  *lane.result_dma, log, board_memory.get());
+    PixelSource& source = lane.pair_feed ? static_cast<PixelSource&>(*lane.pair_feed) : *lane.fetch_dma;
     if (c.rectify_rows > 0) {
       lane.front_end =
           std::make_unique<FrontEnd>(("front_end" + n).c_str(), c, memory, level_address(c), board_memory.get());
-      lane.front_end->raw(*lane.fetch_dma);
+      lane.front_end->raw(source);
       lane.engine->pixels(*lane.front_end);
     } else {
-      lane.engine->pixels(*lane.fetch_dma);
+      lane.engine->pixels(source);
     }
     lane.engine->words(*lane.result_dma);
   }

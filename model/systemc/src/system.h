@@ -22,6 +22,7 @@
 #include "images.h"
 #include "link.h"
 #include "memory.h"
+#include "pair_feed.h"
 #include "rectifier.h"
 #include "result_dma.h"
 
@@ -31,7 +32,8 @@ struct Lane {
   std::unique_ptr<Engine> engine;
   std::unique_ptr<FrontEnd> front_end;  // null: none
   std::unique_ptr<ResultDma> result_dma;
-  std::unique_ptr<FetchDma> fetch_dma;
+  std::unique_ptr<FetchDma> fetch_dma;  // null: the pairs do not come from memory
+  std::unique_ptr<PairFeed> pair_feed;  // null: they do
 };
 
 class System : public sc_core::sc_module {
@@ -53,8 +55,8 @@ class System : public sc_core::sc_module {
   std::unique_ptr<BufferPool> fetched;  // from a board; null: none
   std::unique_ptr<Link> link;
   HostCore host_core, rectify_core;  // the second only with two cores
-  Camera camera;
-  CaptureDma capture_dma;
+  std::unique_ptr<Camera> camera;  // with capture_dma; null: the cameras are the board's
+  std::unique_ptr<CaptureDma> capture_dma;
   std::unique_ptr<Rectifier> rectifier;
   std::vector<Lane> lanes;
   Host host;

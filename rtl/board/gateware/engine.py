@@ -5,12 +5,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from litedram.frontend.fifo import LiteDRAMFIFO
 from litex.gen import LiteXModule
 from litex.soc.interconnect import stream
-from migen import Cat, ClockSignal, If, Instance, ResetInserter, ResetSignal, Signal
+from migen import ClockSignal, If, Instance, ResetInserter, ResetSignal, Signal
 
-from gateware.memory import PYRAMID_BASE_BYTES, PYRAMID_BYTES
+from gateware.levels import LevelBuffer
 
 
 class Build(NamedTuple):
@@ -31,23 +30,9 @@ class Engine(LiteXModule):
         self.write, self.read, self.done = Signal(), Signal(), Signal()
         self.address, self.new_value, self.value = Signal(7), Signal(32), Signal(32)
 
-        buffer = LiteDRAMFIFO(
-            32, PYRAMID_BASE_BYTES, PYRAMID_BYTES, memory.get_port("write"), memory.get_port("read")
-        )
-        self.buffer = buffer = ResetInserter()(buffer)
-        beat = [("data", 16), ("user", 1), ("end", 1)]
-        store, fetch, keep = stream.Endpoint(beat), stream.Endpoint(beat), Signal()
-        self.comb += [
-            buffer.reset.eq(~keep),
-            buffer.sink.valid.eq(store.valid),
-            store.ready.eq(buffer.sink.ready),
-            buffer.sink.data.eq(Cat(store.data, store.user, store.end)),
-            fetch.valid.eq(buffer.source.valid),
-            buffer.source.ready.eq(fetch.ready),
-            fetch.data.eq(buffer.source.data[:16]),
-            fetch.user.eq(buffer.source.data[16]),
-            fetch.end.eq(buffer.source.data[17]),
-        ]
+        self.buffer = buffer = ResetInserter()(LevelBuffer(memory))
+        store, fetch, keep = buffer.sink, buffer.source, Signal()
+        self.comb += buffer.reset.eq(~keep)
 
         # One access at a time; address and data of a write go together.
         address_sent, data_sent = Signal(), Signal()

@@ -18,6 +18,8 @@ PIXELS_BASE, PIXELS_BITS = 2 << WORDS_OUT_BITS, 18  # the pixels of a frame: slo
 CHECKS_BASE, CHECKS_BITS = 7 << 18, 11  # the check of each chunk of words: slot 0, slot 1
 PYRAMID_BASE_BYTES, PYRAMID_BYTES = 6 << 20, 1 << 20  # the buffer of the pyramid
 
+BURST, BURST_ROOM = 32, 64  # words of the engine that are written together, and that wait
+
 COMMAND_GAP = 16  # clocks between two commands of the initialisation, more than any chip asks for
 
 
@@ -81,6 +83,26 @@ class Writer(LiteXModule):
         taken, gone = self.sink.valid & self.sink.ready, dma.sink.valid & dma.sink.ready
         self.comb += [registers.source.connect(dma.sink), self.idle.eq(inside == 0)]
         self.sync += inside.eq(inside + taken - gone)
+
+
+class BurstWriter(LiteXModule):
+    """A Writer that waits until BURST words are there, and then writes all, or as long as `flush` is up: a
+    bank of the chip changes hands less often. bursts: it is at that."""
+
+    def __init__(self, memory: Any) -> None:
+        self.writer = writer = Writer(memory)
+        self.fifo = fifo = stream.SyncFIFO(writer.sink.description, BURST_ROOM)
+        self.sink, self.flush, self.bursts, self.idle = fifo.sink, Signal(), Signal(), Signal()
+        goes = Signal()
+        self.comb += [
+            goes.eq(fifo.source.valid & (self.bursts | self.flush | (fifo.level >= BURST))),
+            writer.sink.valid.eq(goes),
+            writer.sink.address.eq(fifo.source.address),
+            writer.sink.data.eq(fifo.source.data),
+            fifo.source.ready.eq(goes & writer.sink.ready),
+            self.idle.eq(writer.idle & ~fifo.source.valid),
+        ]
+        self.sync += self.bursts.eq(goes)
 
 
 def _registers_before(sink: Any) -> stream.Buffer:

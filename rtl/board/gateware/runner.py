@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Takes whole frames from memory through the engine, and their words back to memory."""
+"""Takes whole frames from memory, or from the cameras, through the engine, and their words to memory."""
 
 from __future__ import annotations
 
@@ -9,7 +9,16 @@ from litex.gen import LiteXModule
 from migen import FSM, C, Cat, If, Mux, NextState, NextValue, Signal
 from wire import CHUNK_WORDS
 
-from gateware.memory import CHECKS_BASE, CHECKS_BITS, PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS, Reader, Writer
+from gateware.cameras import Cameras
+from gateware.memory import (
+    CHECKS_BASE,
+    CHECKS_BITS,
+    PIXELS_BASE,
+    PIXELS_BITS,
+    WORDS_OUT_BITS,
+    BurstWriter,
+    Reader,
+)
 from gateware.slots import STATES, Slots
 
 READ_AHEAD = 64  # words
@@ -21,19 +30,25 @@ class Runner(LiteXModule):
     height, chunks_in, words_out: of the session. `restart`, for a clock, begins a session: the frame that is
     being matched is finished, and counts for nothing; `busy` tells that one is being matched.
 
+    In a session without chunks of pixels, pair n of the cameras goes to slot n modulo SLOTS while `streams`,
+    if that slot waits for one, and is lost otherwise. So is a pair that was not whole: its slot waits again.
+
     If the engine stops for 2**patience_bits clocks, the frame fails, and so do all others until `restart`:
     what is left in the engine would come before their words."""
 
-    def __init__(self, memory: Any, slots: Slots, engine: Any, patience_bits: int) -> None:
+    def __init__(
+        self, memory: Any, slots: Slots, engine: Any, patience_bits: int, cameras: Cameras | None = None
+    ) -> None:
         self.session, self.width, self.height = Signal(32), Signal(16), Signal(16)
         self.chunks_in, self.words_out = Signal(16), Signal(32)
-        self.restart, self.busy = Signal(), Signal()
+        self.restart, self.busy, self.streams = Signal(), Signal(), Signal()
+        self.presses = Signal()  # words have to go, or pixels of the cameras are lost
         # Those of the frame on its way, which may be one of the session before.
         session = {name: getattr(self, name) for name in ("width", "height", "chunks_in", "words_out")}
         own = {name: Signal.like(value, name=f"own_{name}") for name, value in session.items()}
 
         self.reader = reader = Reader(memory, READ_AHEAD, fifo_buffered=True)
-        self.writer = writer = Writer(memory)
+        self.writer = writer = BurstWriter(memory)
         slot, next_slot, abandoned, stuck = Signal(), Signal(), Signal(), Signal()
         asked, came, wanted = (Signal(PIXELS_BITS + 1, name=name) for name in ("asked", "came", "wanted"))
         stored = Signal(WORDS_OUT_BITS + 1)
@@ -42,6 +57,9 @@ class Runner(LiteXModule):
         running = Signal()
         check, seed = Signal(32), Signal(32)
         chunk, check_waits = Signal(CHECKS_BITS), Signal()  # chunk: whose check it is
+
+        live, of_cameras, broken = Signal(), Signal(), Signal()  # of_cameras: this frame is
+        pair, has_room = Signal(32), Signal()  # the next pair of the cameras
 
         stores, chunk_ends = Signal(), Signal()
         pixel, last_column, last_row, all_sent = Signal(), Signal(), Signal(), Signal()
@@ -75,6 +93,7 @@ class Runner(LiteXModule):
             engine.words.ready.eq(
                 (writer.sink.ready & ~check_waits) | ~running | (stored == own["words_out"])
             ),
+            writer.flush.eq(~running | ((stored == own["words_out"]) & ~check_waits)),
             chunk_ends.eq((stored[:CHUNK_BITS] == 2**CHUNK_BITS - 1) | (stored + 1 == own["words_out"])),
         ]
         self.sync += [
@@ -101,11 +120,48 @@ class Runner(LiteXModule):
                 ~running | pixel | (engine.words.valid & engine.words.ready),
                 patience.eq(0),
             ).Else(patience.eq(patience + 1)),
-            If(self.restart, abandoned.eq(1), stuck.eq(0)),
+            If(self.restart, abandoned.eq(1), stuck.eq(0), pair.eq(0), self.streams.eq(0)),
         ]
 
         change = slots.by_runner
-        self.comb += change.slot.eq(Mux(running | self.busy, slot, next_slot))
+        self.comb += [
+            change.slot.eq(Mux(self.busy, slot, Mux(live, pair[0], next_slot))),
+            slots.number.eq(pair),
+            has_room.eq(slots.state[pair[0]] == STATES["filling"]),
+        ]
+        if cameras is not None:
+            self.comb += [
+                live.eq(self.streams & (self.chunks_in == 0)),
+                of_cameras.eq(own["chunks_in"] == 0),
+                broken.eq(cameras.broken),
+                self.presses.eq(writer.bursts & of_cameras),
+                cameras.clear.eq(~self.busy),
+                cameras.wanted.eq(running & of_cameras & ~all_sent),
+                cameras.first.eq(engine.pixels.first),
+                cameras.last.eq(engine.pixels.last),
+                cameras.silent.eq(patience[-1]),
+                cameras.restart.eq(self.restart),
+                cameras.drop.eq(~live | (~self.busy & ~has_room)),
+                cameras.pixels.ready.eq(engine.pixels.ready),
+                If(
+                    of_cameras,
+                    engine.pixels.valid.eq(cameras.pixels.valid),
+                    engine.pixels.data.eq(cameras.pixels.data),
+                ),
+            ]
+        begin = [
+            NextValue(pair, pair + 1),
+            If(
+                has_room,
+                change.enable.eq(1),
+                change.state.eq(STATES["running"]),
+                slots.renumber.eq(1),
+                NextValue(slot, pair[0]),
+                NextValue(seed, self.session ^ pair),
+                NextValue(check, self.session ^ pair),
+                NextState("RUN"),
+            ),
+        ]
         self.fsm = fsm = FSM(reset_state="IDLE")
         fsm.act(
             "IDLE",
@@ -125,6 +181,7 @@ class Runner(LiteXModule):
                 change.state.eq(STATES["running"]),
                 NextState("RUN"),
             ),
+            *([] if cameras is None else [If(~self.restart & live & cameras.begins, *begin)]),
         )
         fsm.act(
             "RUN",
@@ -149,6 +206,7 @@ class Runner(LiteXModule):
                 ~abandoned & ~self.restart,
                 change.enable.eq(1),
                 change.state.eq(STATES["done"]),
+                If(broken, change.state.eq(STATES["filling"])),
                 If(drain, change.state.eq(STATES["failed"])),
             ),
             # The client of a new session waits for this end, and then resets the engine.

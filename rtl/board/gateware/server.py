@@ -12,6 +12,7 @@ from litex.soc.interconnect import stream
 from migen import FSM, Array, C, Case, Cat, If, Mux, NextState, NextValue, Signal
 from wire import BITMAP_WORDS, CHUNK_WORDS, CONSTANTS, HEADER, HEADER_WORDS, PAYLOAD, REPLIES, REQUESTS
 
+from gateware.cameras import Cameras
 from gateware.memory import CHECKS_BASE, CHECKS_BITS, PIXELS_BASE, PIXELS_BITS, WORDS_OUT_BITS, Reader, Writer
 from gateware.packets import LAST_BYTE, PACKET_WORDS, PacketBuffer
 from gateware.slots import BITMAP_BITS, SLOTS, STATES, Slots
@@ -31,7 +32,14 @@ class Server(LiteXModule):
     holds the board until 2**hold_bits clocks without a packet of his have passed."""
 
     def __init__(
-        self, packets: PacketBuffer, memory: Any, slots: Slots, engine: Any, runner: Any, hold_bits: int
+        self,
+        packets: PacketBuffer,
+        memory: Any,
+        slots: Slots,
+        engine: Any,
+        runner: Any,
+        hold_bits: int,
+        cameras: Cameras | None = None,
     ) -> None:
         self.source = source = stream.Endpoint(eth_udp_user_description(32))
 
@@ -69,6 +77,8 @@ class Server(LiteXModule):
             for name in ("sound", "speaks", "ours", "holds", "filling", "finished", "inside", "opens")
         )
         fetch_end = Signal(17)
+        has_cameras = int(cameras is not None)
+        of_board = index[7]  # a register of the board itself: CAMERAS
         new_chunks_in = field(opening, PAYLOAD["open"], "chunks_in")
         new_words_out = field(opening, PAYLOAD["open"], "words_out")
         state = slots.state[slot]
@@ -89,6 +99,7 @@ class Server(LiteXModule):
             # What a session asks for has room.
             opens.eq(
                 speaks
+                & (has_cameras | (new_chunks_in != 0))
                 & ~held
                 & (opening[0] == session)
                 & (asked_session != session)
@@ -103,7 +114,7 @@ class Server(LiteXModule):
         to_read, read_at, on_the_way = Signal(9), Signal(WORDS_OUT_BITS), Signal(10)
         asked_for, taken = Signal(), Signal()
         self.comb += [
-            reader.sink.valid.eq(to_read != 0),
+            reader.sink.valid.eq((to_read != 0) & ~runner.presses),
             # The check comes last.
             reader.sink.address.eq(
                 Mux(to_read == 1, CHECKS_BASE + Cat(chunk[:CHECKS_BITS], slot), Cat(read_at, slot))
@@ -130,6 +141,7 @@ class Server(LiteXModule):
         }
         status = {
             "credits": CREDITS,
+            "cameras": has_cameras,
             "busy": runner.busy,
             "held": held,
             "last_write": last_write,
@@ -138,6 +150,8 @@ class Server(LiteXModule):
             status[f"slot_{s}_frame"] = slots.frame[s]
             status[f"slot_{s}_state"] = slots.state[s]
             status[f"slot_{s}_chunks"] = slots.chunks[s]
+        if cameras is not None:
+            status |= dict(zip(("refused_left", "refused_right"), cameras.refused, strict=True))
         header_word, status_word = Signal(32), Signal(32)
         self.comb += [
             _choose(header_word, position, HEADER, own_header),
@@ -288,8 +302,9 @@ class Server(LiteXModule):
         fsm.act(
             "WRITE_VALUE",
             packets.address.eq(HEADER_WORDS + done_words),
-            engine.write.eq(1),
-            If(engine.done, NextValue(done_words, done_words + 1), NextState("WRITE")),
+            engine.write.eq(~of_board),
+            If(of_board, NextValue(runner.streams, packets.data[0])),
+            If(engine.done | of_board, NextValue(done_words, done_words + 1), NextState("WRITE")),
         )
 
         # Pixels: what came before is not taken again.

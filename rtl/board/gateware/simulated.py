@@ -17,6 +17,7 @@ from litex.gen.fhdl import verilog
 from litex.soc.interconnect import stream
 from migen import ClockDomain, ResetSignal, Signal
 
+from gateware.cameras import Sensor
 from gateware.engine import Build
 from gateware.system import BoardSystem
 
@@ -57,6 +58,7 @@ class Simulated(LiteXModule):
         self.cd_sys = ClockDomain("sys")
         self.comb += [self.cd_sys.clk.eq(self.clk), self.cd_sys.rst.eq(self.rst)]
         self.phy = phy = SimulatedPhy(self.eth_clk)
+        self.sensors = [Sensor(*(Signal(n) for n in (1, 1, 1, 1, 8))) for _ in range(2)]
         module = M12L64322A(CLK_FREQ, "1:1")
         self.sdram = SDRAMPHYModel(module, data_width=32, clk_freq=CLK_FREQ)
         self.board = BoardSystem(
@@ -66,6 +68,7 @@ class Simulated(LiteXModule):
             phy,
             CLK_FREQ,
             IP_ADDRESS,
+            sensors=list(self.sensors),
             quick_start=True,
             patience_bits=16,
             hold_bits=20,
@@ -75,6 +78,12 @@ class Simulated(LiteXModule):
             inside = getattr(phy, name)
             pin = self.pins[name] = Signal(len(inside), name=name)
             self.comb += inside.eq(pin) if name.startswith("rx") else pin.eq(inside)
+        for side, sensor in zip(("left", "right"), self.sensors, strict=True):
+            self.comb += sensor.rst.eq(self.rst)
+            for name in ("clk", "vsync", "href", "data"):
+                inside = getattr(sensor, name)
+                pin = self.pins[f"{side}_{name}"] = Signal(len(inside), name=f"{side}_{name}")
+                self.comb += inside.eq(pin)
         busy = self.pins["busy"] = Signal(name="busy")  # a frame is being matched
         self.comb += busy.eq(self.board.runner.busy)
 

@@ -32,6 +32,9 @@ class Slots(LiteXModule):
         for change in (self.by_runner, self.by_server):
             self.sync += If(change.enable, self.state[change.slot].eq(change.state))
 
+        self.renumber, self.number = Signal(), Signal(32)  # gives the runner's slot this frame
+        self.sync += If(self.renumber, self.frame[self.by_runner.slot].eq(self.number))
+
         self.empty = Signal()  # puts all slots into the first state
         self.sync += If(self.empty, *(state.eq(STATES["filling"]) for state in self.state))
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is on a board beside its pins: the engine, its memory, and UDP on any Ethernet PHY of LiteEth."""
+"""What is on a board beside its pins: the engine, its memory, UDP on any Ethernet PHY of LiteEth, and, if it
+has any, two cameras."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from litex.gen import LiteXModule
 from litex.soc.interconnect.packet import PacketFIFO
 from wire import CONSTANTS
 
+from gateware.cameras import Cameras, Sensor
 from gateware.engine import Build, Engine
 from gateware.memory import BoardMemory
 from gateware.packets import PacketBuffer
@@ -47,6 +49,7 @@ class BoardSystem(LiteXModule):
         ethernet_phy: Any,
         clk_freq: float,
         ip_address: str,
+        sensors: list[Sensor] | None = None,  # the left and the right one
         quick_start: bool = False,
         patience_bits: int = 20,  # 23 ms at 45 MHz
         hold_bits: int = 27,  # HOLD_MS at 45 MHz
@@ -65,8 +68,9 @@ class BoardSystem(LiteXModule):
         self.packets = PacketBuffer()
         self.slots = Slots()
         self.engine = Engine(self.memory, build)
-        self.runner = Runner(self.memory, self.slots, self.engine, patience_bits)
-        self.server = Server(self.packets, self.memory, self.slots, self.engine, self.runner, hold_bits)
+        self.cameras = cameras = None if sensors is None else Cameras(sensors)
+        self.runner = runner = Runner(self.memory, self.slots, self.engine, patience_bits, cameras)
+        self.server = Server(self.packets, self.memory, self.slots, self.engine, runner, hold_bits, cameras)
         port = self.network.udp.crossbar.get_port(CONSTANTS["PORT"], dw=32)
         # A reply leaves once all of it is there: memory may be late, and an Ethernet frame cannot pause.
         self.replies = PacketFIFO(eth_udp_user_description(32), REPLY_WORDS, REPLIES - 1, buffered=True)

@@ -3,6 +3,10 @@
 // frame of one host, from preamble to check sum, and what the board sends to that host leaves the port.
 //
 //   board-sim [--port N] [--drop P] [--double P] [--damage P] [--seed N]
+//             [--pairs FILE --width PX --height PX [--pixel-mhz F] [--rate HZ] [--line-blanking PX] [--faults P]
+//              [--sensor-seed N]]
+//
+// With pairs the board has two sensors that show them (sensors.h).
 //
 // Prints the port once it is open, and runs until its input ends; then it prints how many packets there were, and how
 // many of them the link dropped, doubled and damaged. Its clocks go on while the client works: board-clocks is there for
@@ -30,6 +34,7 @@ constexpr size_t kMostWaiting = 64;  // packets; the rest waits in the socket, a
 struct Options {
   int port = 0;
   Faults faults;
+  SensorOptions sensors;
 };
 
 Options parse(int argc, char** argv) {
@@ -47,7 +52,7 @@ Options parse(int argc, char** argv) {
       options.faults.damage = value;
     else if (name == "--seed")
       options.faults.seed = static_cast<unsigned>(value);
-    else
+    else if (!take_sensor_option(&options.sensors, name, argv[i + 1]))
       std::fprintf(stderr, "board-sim: unknown option %s\n", argv[i]), std::exit(2);
   }
   return options;
@@ -106,7 +111,7 @@ int main(int argc, char** argv) {
   Verilated::commandArgs(argc, argv);
   const Options options = parse(argc, argv);
   const int fd = open_port(options.port);
-  Simulation board(options.faults);
+  Simulation board(options.faults, options.sensors);
   for (int64_t awake = 0;;) {
     if (board.clocks() % kPollEvery == 0) receive(fd, &board);
     board.clock();

@@ -11,7 +11,8 @@ constexpr size_t kPreamble = 8;
 
 }  // namespace
 
-Simulation::Simulation(const Faults& faults) : faults_(faults), random_(faults.seed) {
+Simulation::Simulation(const Faults& faults, const SensorOptions& sensors) : faults_(faults), random_(faults.seed) {
+  if (!sensors.pairs.empty()) sensors_ = std::make_unique<Sensors>(sensors);
   board_->clk = 0;
   board_->rst = 1;
   for (int i = 0; i < kResetClocks; ++i) clock();
@@ -31,6 +32,24 @@ void Simulation::clock() {
   board_->eval();
   ++clocks_;
   for (ethernet_phase_ += kEthernetMhz; ethernet_phase_ >= kClockMhz; ethernet_phase_ -= kClockMhz) ethernet_clock();
+  if (sensors_) sensor_clocks();
+}
+
+void Simulation::sensor_clocks() {
+  sensors_->board_clock(clocks_, kClockMhz);
+  for (int side = 0; side < 2; ++side) {
+    for (int clocks = sensors_->clocks_of(side, kClockMhz); clocks > 0; --clocks) {
+      const Wires wires = sensors_->next(side);
+      uint8_t& clk = side == 0 ? board_->left_clk : board_->right_clk;
+      (side == 0 ? board_->left_vsync : board_->right_vsync) = wires.vsync;
+      (side == 0 ? board_->left_href : board_->right_href) = wires.href;
+      (side == 0 ? board_->left_data : board_->right_data) = wires.data;
+      clk = 0;
+      board_->eval();
+      clk = 1;
+      board_->eval();
+    }
+  }
 }
 
 void Simulation::ethernet_clock() {

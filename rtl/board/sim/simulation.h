@@ -9,6 +9,7 @@
 
 #include "Vboard.h"
 #include "ethernet.h"
+#include "sensors.h"
 
 constexpr int kClockMhz = 45, kEthernetMhz = 125;
 
@@ -30,7 +31,7 @@ struct ToHost {
 
 class Simulation {
  public:
-  explicit Simulation(const Faults& faults);
+  explicit Simulation(const Faults& faults, const SensorOptions& sensors = {});
 
   // One clock of the engine, and those of Ethernet that begin in it.
   void clock();
@@ -43,18 +44,21 @@ class Simulation {
   int64_t active() const { return active_; }  // the clock in which something was last on the wire
   bool engine_busy() const { return board_->busy; }
   const LinkCounts& counts() const { return counts_; }
+  const Sensors* sensors() const { return sensors_.get(); }  // null: nothing is there
 
   std::deque<ToHost> to_host;  // what came from the board, for the caller to take
 
  private:
   bool happens(double share, long long* times);
   void ethernet_clock();
+  void sensor_clocks();
   void drive();
   void take(const Bytes& frame);
 
   Faults faults_;
   std::mt19937 random_;
   std::unique_ptr<Vboard> board_ = std::make_unique<Vboard>();
+  std::unique_ptr<Sensors> sensors_;
   std::deque<Bytes> to_board_;
   Bytes from_board_;
   size_t sent_ = 0;  // bytes of the first that waits

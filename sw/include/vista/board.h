@@ -1,4 +1,5 @@
-/* A stereo engine on a board, reached over UDP: raw pairs go out, the disparities of all levels come back.
+/* A stereo engine on a board, reached over UDP: raw pairs go out, or are those of the board's own cameras; the
+ * disparities of all levels come back.
  *
  *   vista_board *board;
  *   vista_board_connect(memory, vista_board_bytes(), "192.168.1.50", VISTA_BOARD_PORT, 2000, &board);
@@ -7,6 +8,12 @@
  *     vista_board_submit(board, left, right, settings.width_px);
  *     vista_board_collect(board, words, word_count);
  *   vista_board_disconnect(board);
+ *
+ * With settings.cameras, in place of submit and collect:
+ *
+ *   vista_board_start(board);
+ *   for each pair of the cameras: vista_board_receive(board, words, word_count, &number);
+ *   vista_board_stop(board);
  *
  * Packets that are lost are sent again, those that come twice are recognised. A function that hears nothing from the
  * board for the agreed time returns VISTA_ERROR_NO_ANSWER; its frame is lost then, and the next one can be submitted as
@@ -40,6 +47,7 @@ typedef struct vista_board_build {
   int32_t max_pixels; /* of an image */
   int32_t rectify_rows; /* of the line buffer of rectification */
   int32_t map_points; /* control points of a camera that there is memory for */
+  int32_t cameras; /* 1: two cameras of its own */
 } vista_board_build;
 
 /* What a session does with its pairs. The numbers are those of the contract of the engine. */
@@ -52,13 +60,15 @@ typedef struct vista_board_settings {
   int32_t lr_max_diff; /* -1: off */
   int32_t smooth; /* 1: images are smoothed before they are matched */
   int32_t levels; /* 1 .. 4 */
+  int32_t cameras; /* 1: the pairs are those of the board's cameras, which have this size; none are submitted */
   const int16_t *left_map, *right_map; /* control points {dx, dy} of each camera, row by row; null: no rectification */
 } vista_board_settings;
 
 /* What has happened since vista_board_connect. */
 typedef struct vista_board_counts {
   int64_t frames; /* collected */
-  int64_t lost; /* frames that were begun and not collected */
+  int64_t lost; /* frames that were begun and not collected, and pairs of the cameras that had no room or broke off */
+  int64_t refused_left, refused_right; /* frames of the board's cameras that found no partner */
   int64_t chunks_sent, chunks_sent_again;
   int64_t chunks_received, chunks_received_again;
   int64_t chunks_wrong; /* that were not of the frame, by their check, and fetched again */
@@ -96,7 +106,7 @@ VISTA_API vista_status vista_board_identify(vista_board *board, vista_board_buil
  * - VISTA_ERROR_RANGE: a number is out of range.
  * - VISTA_ERROR_SIZE: the board has no room for such frames, or for so many control points.
  * - VISTA_ERROR_CAPACITY: the map needs more rows than the line buffer of the board has.
- * - VISTA_ERROR_BOARD: no stereo engine of a major version that is known.
+ * - VISTA_ERROR_BOARD: no stereo engine of a major version that is known, or no cameras, which are asked for.
  * - VISTA_ERROR_HELD: another client holds the board.
  * - VISTA_ERROR_NO_ANSWER: the board is silent; there is no session then. */
 VISTA_API vista_status vista_board_configure(vista_board *board, const vista_board_settings *settings);
@@ -107,6 +117,7 @@ VISTA_API int64_t vista_board_words(const vista_board *board);
 /* Sends a pair. stride: pixels from one row to the next, of both images. Returns when all of it has arrived.
  *
  * - VISTA_ERROR_CAPACITY: VISTA_BOARD_FRAMES frames have to be collected first.
+ * - VISTA_ERROR_ORDER: the pairs of this session are those of the cameras.
  * - VISTA_ERROR_SESSION: there is no session, or the board has another: it was restarted, or another client took it.
  * - VISTA_ERROR_SIZE: the stride is less than the width.
  * - VISTA_ERROR_NO_ANSWER: the board is silent; the frame is lost. */
@@ -123,6 +134,26 @@ VISTA_API vista_status vista_board_submit(vista_board *board, const uint8_t *lef
  * - VISTA_ERROR_FRAME: the engine did not finish the frame, or its words go on being others by their check.
  * - VISTA_ERROR_NO_ANSWER: the board is silent. */
 VISTA_API vista_status vista_board_collect(vista_board *board, int16_t *words, int64_t word_count);
+
+/* Lets the board take the pairs of its cameras, from the next one on. It keeps two frames until they are received;
+ * pairs that come meanwhile are lost.
+ *
+ * - VISTA_ERROR_ORDER: the settings of the session name no cameras.
+ * - VISTA_ERROR_SESSION, VISTA_ERROR_NO_ANSWER: see vista_board_submit. */
+VISTA_API vista_status vista_board_start(vista_board *board);
+
+/* Lets the board take no more pairs, and waits until it has finished what it was at. That can be received still. */
+VISTA_API vista_status vista_board_stop(vista_board *board);
+
+/* Receives the words of the next pair of the cameras, as vista_board_collect does. Pairs are numbered from the start of
+ * the session on, those that were lost included, so a number that is left out is that of a lost pair; frames that
+ * found no partner are counted by vista_board_count.
+ *
+ * - VISTA_ERROR_ORDER: the settings of the session name no cameras.
+ * - VISTA_ERROR_FRAME: no pair came within the agreed time, the engine did not finish this one, or its words go on being
+ *   others by their check.
+ * - VISTA_ERROR_MEMORY, VISTA_ERROR_SESSION, VISTA_ERROR_NO_ANSWER: see vista_board_collect. */
+VISTA_API vista_status vista_board_receive(vista_board *board, int16_t *words, int64_t word_count, int64_t *number);
 
 /* What has happened so far. */
 VISTA_API vista_board_counts vista_board_count(const vista_board *board);

@@ -26,6 +26,7 @@ class SystemConfig:
     link_bytes_s: float = 0.0  # each way, to a board; 0: the camera feeds the engine's memory
     link_round_trip_ns: float = 0.0  # of network and host, beside the time of the packets
     memory_clock_hz: float = 0.0  # of the SDRAM of a board, to which nothing else of memory applies
+    board_cameras: bool = False  # a board's own: no pair goes over the link
     camera_rate_hz: float = 60.0
     camera_pixel_clock_hz: float = DEFAULT_PIXEL_CLOCK_HZ
     camera_horizontal_blanking_px: int = 160

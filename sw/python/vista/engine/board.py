@@ -57,10 +57,17 @@ class BoardClient:
         return build
 
     def configure(
-        self, parameters: EngineParameters, width_px: int, height_px: int, grids: Iterable[Grid] = ()
+        self,
+        parameters: EngineParameters,
+        width_px: int,
+        height_px: int,
+        grids: Iterable[Grid] = (),
+        cameras: bool = False,
     ) -> None:
-        """Begins a session. grids: of the left and the right camera, or none."""
+        """Begins a session. grids: of the left and the right camera, or none. cameras: the pairs are those of
+        the board's own."""
         settings = settings_of(parameters) | {"width_px": width_px, "height_px": height_px}
+        settings["cameras"] = int(cameras)
         maps = [self._ffi.from_buffer("int16_t[]", np.ascontiguousarray(grid)) for grid in grids]
         settings |= dict(zip(("left_map", "right_map"), maps, strict=False))
         self._check(
@@ -77,6 +84,21 @@ class BoardClient:
         buffer = self._ffi.from_buffer("int16_t[]", words)
         self._check(self._lib.vista_board_collect(self._board, buffer, words.size))
         return words
+
+    def start(self) -> None:
+        """Lets the board take the pairs of its cameras."""
+        self._check(self._lib.vista_board_start(self._board))
+
+    def stop(self) -> None:
+        self._check(self._lib.vista_board_stop(self._board))
+
+    def receive(self) -> tuple[int, Disparity]:
+        """The number of the next pair of the cameras, and the words of all its levels."""
+        words = np.empty(self._lib.vista_board_words(self._board), np.int16)
+        buffer = self._ffi.from_buffer("int16_t[]", words)
+        number = self._ffi.new("int64_t *")
+        self._check(self._lib.vista_board_receive(self._board, buffer, words.size, number))
+        return int(number[0]), words
 
     @property
     def counts(self) -> Any:

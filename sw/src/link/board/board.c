@@ -12,6 +12,7 @@
 #include "link/board/pixels.h"
 #include "link/board/request.h"
 #include "link/board/session.h"
+#include "link/board/stream.h"
 #include "link/board/words.h"
 
 _Static_assert(VISTA_BOARD_PORT == WIRE_PORT, "rtl/board/wire.toml");
@@ -87,6 +88,7 @@ int64_t vista_board_words(const vista_board *board) { return board && board->ses
 vista_status vista_board_submit(vista_board *board, const uint8_t *left, const uint8_t *right, ptrdiff_t stride) {
   if (!board || !left || !right) return VISTA_ERROR_ARGUMENT;
   if (board->session == 0) return VISTA_ERROR_SESSION;
+  if (board->cameras) return VISTA_ERROR_ORDER;
   if (stride < board->layout.level[0].width_px) return VISTA_ERROR_SIZE;
   if (board->waiting_count == WIRE_SLOTS) return VISTA_ERROR_CAPACITY;
   const uint32_t frame = board->next_frame;
@@ -116,6 +118,18 @@ vista_status vista_board_collect(vista_board *board, int16_t *words, int64_t wor
   else
     board->counts.lost++;
   return status;
+}
+
+vista_status vista_board_start(vista_board *board) { return board ? stream_switch(board, true) : VISTA_ERROR_ARGUMENT; }
+
+vista_status vista_board_stop(vista_board *board) { return board ? stream_switch(board, false) : VISTA_ERROR_ARGUMENT; }
+
+vista_status vista_board_receive(vista_board *board, int16_t *words, int64_t word_count, int64_t *number) {
+  if (!board || !words || !number) return VISTA_ERROR_ARGUMENT;
+  if (board->session == 0) return VISTA_ERROR_SESSION;
+  if (!board->cameras) return VISTA_ERROR_ORDER;
+  if (word_count < board->layout.words) return VISTA_ERROR_MEMORY;
+  return stream_receive(board, words, number);
 }
 
 vista_board_counts vista_board_count(const vista_board *board) {

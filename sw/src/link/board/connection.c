@@ -55,6 +55,9 @@ void connection_send(vista_board *board) {
   board->sent_ns = connection_now_ns();
 }
 
+/* Events since the status before, of a counter that goes round. */
+static int64_t refused_since(uint32_t now, uint32_t before) { return (uint16_t)(now - before); }
+
 static void take_status(vista_board *board) {
   const packet *const in = &board->in;
   board_status *const status = &board->status;
@@ -63,9 +66,18 @@ static void take_status(vista_board *board) {
   status->session = packet_field(in, 0, WIRE_HEADER_SESSION);
   status->frame = packet_field(in, 0, WIRE_HEADER_FRAME);
   status->credits = packet_field(in, body, WIRE_STATUS_CREDITS);
+  status->cameras = packet_field(in, body, WIRE_STATUS_CAMERAS);
   status->busy = packet_field(in, body, WIRE_STATUS_BUSY);
   status->held = packet_field(in, body, WIRE_STATUS_HELD);
   status->last_write = packet_field(in, body, WIRE_STATUS_LAST_WRITE);
+  const uint32_t left = packet_field(in, body, WIRE_STATUS_REFUSED_LEFT);
+  const uint32_t right = packet_field(in, body, WIRE_STATUS_REFUSED_RIGHT);
+  if (board->session != 0 && status->session == board->session) {
+    board->counts.refused_left += refused_since(left, status->refused_left);
+    board->counts.refused_right += refused_since(right, status->refused_right);
+  }
+  status->refused_left = left;
+  status->refused_right = right;
   for (uint32_t s = 0; s < WIRE_SLOTS; s++) {
     const uint32_t next = (WIRE_STATUS_SLOT_1_FRAME - WIRE_STATUS_SLOT_0_FRAME) * s;
     status->slot[s].frame = packet_field(in, body, WIRE_STATUS_SLOT_0_FRAME + next);

@@ -29,7 +29,7 @@ typedef struct slot_status {
 
 /* The newest status that the board sent. */
 typedef struct board_status {
-  uint32_t token, session, credits, busy, held, last_write;
+  uint32_t token, session, credits, cameras, busy, held, last_write, refused_left, refused_right;
   slot_status slot[WIRE_SLOTS];
   uint32_t frame; /* that the bitmap is of */
   uint32_t bitmap[BITMAP_WORDS];
@@ -43,9 +43,10 @@ struct vista_board {
   uint32_t session; /* 0: none */
   uint32_t session_token; /* of the request that began it: older statuses tell of other sessions */
   uint32_t writes; /* of this session */
-  uint32_t next_frame;
+  uint32_t next_frame; /* to be submitted, or received from the cameras */
   uint32_t waiting[WIRE_SLOTS]; /* frames to be collected, the oldest first */
   int32_t waiting_count;
+  bool cameras; /* the pairs of this session are those of the board's cameras */
   frame_layout layout; /* of this session */
   board_status status;
   packet out, in;

@@ -48,6 +48,11 @@ vista_status request_status(vista_board *board, uint32_t frame) {
   return request_reply(board, WIRE_REPLY_STATUS);
 }
 
+vista_status request_release(vista_board *board, uint32_t frame) {
+  connection_begin(board, WIRE_REQUEST_RELEASE, frame, 0);
+  return request_reply(board, WIRE_REPLY_STATUS);
+}
+
 vista_status request_slot(vista_board *board, uint32_t frame) {
   const slot_status *const slot = &board->status.slot[frame % WIRE_SLOTS];
   const int64_t begin_ns = connection_now_ns();
@@ -55,8 +60,7 @@ vista_status request_slot(vista_board *board, uint32_t frame) {
   while (status == VISTA_OK && slot->frame != frame) {
     if (!token_reached(slot->frame, frame)) return VISTA_ERROR_SESSION; /* somebody else uses it */
     if (request_has_waited(board, begin_ns)) return VISTA_ERROR_FRAME; /* the engine works at it for too long */
-    connection_begin(board, WIRE_REQUEST_RELEASE, slot->frame, 0);
-    status = request_reply(board, WIRE_REPLY_STATUS);
+    status = request_release(board, slot->frame);
   }
   return status;
 }

@@ -22,6 +22,9 @@ bool request_has_waited(const vista_board *board, int64_t since_ns);
 /* A status with the bitmap of this frame. */
 vista_status request_status(vista_board *board, uint32_t frame);
 
+/* Tells the board that nobody needs a frame any more; the answer is a status. */
+vista_status request_release(vista_board *board, uint32_t frame);
+
 /* Gives up frames until the slot of `frame` waits for it. */
 vista_status request_slot(vista_board *board, uint32_t frame);
 

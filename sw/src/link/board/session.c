@@ -42,6 +42,7 @@ vista_status session_identify(vista_board *board, vista_board_build *build) {
       .max_pixels = WIRE_MAX_CHUNKS_IN * CHUNK_PIXELS,
       .rectify_rows = (int32_t)READ_FIELD(front_end, BUILD_FRONT_END__RECTIFY_ROWS),
       .map_points = (int32_t)READ_FIELD(front_end, BUILD_FRONT_END__MAP_POINTS),
+      .cameras = (int32_t)board->status.cameras,
   };
   return VISTA_OK;
 }
@@ -60,8 +61,9 @@ vista_status session_check(const vista_board_settings *settings, const vista_boa
   const bool sound = in_range(settings->xsobel, 0, 1) && in_range(settings->prefilter_cap, 1, MAX_CAP) &&
                      settings->texture_threshold >= 0 && in_range(settings->uniqueness_ratio, 0, MAX_PERCENT) &&
                      settings->lr_max_diff >= -1 && in_range(settings->smooth, 0, 1) &&
-                     in_range(settings->levels, 1, LAYOUT_MAX_LEVELS);
+                     in_range(settings->cameras, 0, 1) && in_range(settings->levels, 1, LAYOUT_MAX_LEVELS);
   if (!sound) return VISTA_ERROR_RANGE;
+  if (settings->cameras > build->cameras) return VISTA_ERROR_BOARD;
   const bool fits = in_range(settings->width_px, MIN_WIDTH_PX, build->max_width_px) &&
                     in_range(settings->height_px, MIN_HEIGHT_PX, build->max_height_px) &&
                     (int64_t)settings->width_px * settings->height_px <= build->max_pixels;
@@ -76,8 +78,7 @@ static uint32_t new_session(uint32_t previous) {
   return session == 0 || session == previous ? previous + 1 + (previous + 1 == 0) : session;
 }
 
-/* Asks for statuses until the engine has finished what it was at. */
-static vista_status wait_until_idle(vista_board *board) {
+vista_status session_wait_until_idle(vista_board *board) {
   const int64_t begin_ns = connection_now_ns();
   vista_status status = VISTA_OK;
   while (status == VISTA_OK && board->status.busy)
@@ -89,6 +90,7 @@ vista_status session_open(vista_board *board, const vista_board_settings *settin
   board->counts.lost += board->waiting_count;
   board->session = board->writes = board->next_frame = 0;
   board->waiting_count = 0;
+  board->cameras = settings->cameras;
   vista_status status = request_status(board, 0);
   for (int32_t i = 0; i < OPEN_TRIES && status == VISTA_OK; i++) {
     const uint32_t previous = board->status.session, session = new_session(previous);
@@ -99,7 +101,7 @@ vista_status session_open(vista_board *board, const vista_board_settings *settin
     packet_set_field(out, body, WIRE_OPEN_PREVIOUS, previous);
     packet_set_field(out, body, WIRE_OPEN_WIDTH, (uint32_t)settings->width_px);
     packet_set_field(out, body, WIRE_OPEN_HEIGHT, (uint32_t)settings->height_px);
-    const int64_t pixels = (int64_t)settings->width_px * settings->height_px;
+    const int64_t pixels = settings->cameras ? 0 : (int64_t)settings->width_px * settings->height_px;
     packet_set_field(out, body, WIRE_OPEN_CHUNKS_IN, (uint32_t)((pixels + CHUNK_PIXELS - 1) / CHUNK_PIXELS));
     packet_set_field(out, body, WIRE_OPEN_WORDS_OUT, (uint32_t)board->layout.pairs);
     status = request_reply(board, WIRE_REPLY_STATUS);
@@ -107,7 +109,7 @@ vista_status session_open(vista_board *board, const vista_board_settings *settin
     if (status != VISTA_OK || board->status.session != session) continue;
     board->session = session;
     board->session_token = board->status.token;
-    return wait_until_idle(board);
+    return session_wait_until_idle(board);
   }
   return status == VISTA_OK ? VISTA_ERROR_SESSION : status;
 }

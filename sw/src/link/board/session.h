@@ -13,6 +13,9 @@ vista_status session_check(const vista_board_settings *settings, const vista_boa
 /* Takes the board over for frames of board->layout. VISTA_ERROR_HELD: another client holds it. */
 vista_status session_open(vista_board *board, const vista_board_settings *settings);
 
+/* Asks for statuses until the engine has finished what it was at. */
+vista_status session_wait_until_idle(vista_board *board);
+
 /* Tells the board that nobody holds it any more; does not wait for an answer. */
 void session_close(vista_board *board);
 
