@@ -103,8 +103,8 @@ PLANTED = [
     (
         "matching_framer",
         "vista_framer",
-        "      active_q <= 1'b0;\n      fill_q   <= 1'b0;",
-        "      active_q <= 1'b0;",
+        "if (frame_end) begin\n      active_q <= 1'b0;\n      fill_q   <= 1'b0;",
+        "if (frame_end) begin\n      active_q <= 1'b0;",
     ),  # no such state
 ]
 

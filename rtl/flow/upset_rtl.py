@@ -18,15 +18,15 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "model", "build/python")]
 from tools import BUILD, sources  # noqa: E402
-from upsets import FRAME, MASKED, NEXT, OUTCOMES, RESET, Upset, upsets  # noqa: E402
+from upsets import FRAME, LATER, MASKED, NEVER, NEXT, OUTCOMES, RESET, WRITTEN, Upset, upsets  # noqa: E402
 from verilated import FRONT_END, Config, Rtl  # noqa: E402
 from vista_eval.cache import digest_of  # noqa: E402
 from vista_eval.jobs import Job, add_place, chosen_place, exit_on_failure, run  # noqa: E402
 from vista_eval.report.table import Table, write_measurement  # noqa: E402
 
 TOPS = {
-    "core": replace(FRONT_END, rows=0, upsets=True),
-    "core and front end": replace(FRONT_END, upsets=True),
+    "core": replace(FRONT_END, rows=0, parity=True, upsets=True),
+    "core and front end": replace(FRONT_END, parity=True, upsets=True),
 }
 WAYS = {"video": False, "reset before each frame": True}
 PART = 50  # upsets in one scene, which are one job
@@ -44,10 +44,11 @@ def table(found: Mapping[tuple[str, str], Sequence[Upset]]) -> Table:
         for memory, name in ((False, "registers"), (True, "memories")):
             chosen = [upset for upset in all_of_them if upset.memory == memory]
             count = Counter(upset.outcome for upset in chosen)
-            unseen = sum(upset.outcome == RESET and not upset.told for upset in chosen)
+            lasting = [upset for upset in chosen if upset.outcome in (LATER, WRITTEN, RESET, NEVER)]
+            unseen = sum(not upset.told for upset in lasting)
             numbers = (len(chosen), *(count[outcome] for outcome in OUTCOMES), unseen)
             rows.append((top, way, name, *(f"{number:,}" for number in numbers)))
-    heads = ("top", "frames", "bit in", "upsets", *OUTCOMES, "after a reset, framing right")
+    heads = ("top", "frames", "bit in", "upsets", *OUTCOMES, "lasting, not told")
     return Table("rtl-upsets", heads, rows)
 
 

@@ -1,29 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Properties of vista_frame_positions, inside it: every frame gives exactly W * H positions in raster order, its start,
-// the ends of its rows and its end marked, those that are matched, and those that complete a word of its format; a position that waits holds still. Frames that are
-// announced always find room.
+// the ends of its rows and its end marked, those that are matched, and those that complete a word of its format; a position
+// that waits holds still. A frame that waits begins as soon as the one before it ends.
 //
-// Assumed of the framer, and proved there: sizes in range, four clocks at least from one frame to the next. Assumed of
-// vista_stereo_core: a frame is announced only if `go_o` was up two clocks before.
+// Assumed of the framer, and proved there: sizes in range.
 //
 // f_n is any number: it starts anywhere and never changes. The f_n-th frame (modulo 16) is followed.
 
 import vista_stereo_pkg::MinWidth, vista_stereo_pkg::MinHeight;
 
 logic            f_started = 1'b0;
-logic [3:0]      f_n, f_in, f_open, f_place;  // frames announced, frames that began to leave
+logic [3:0]      f_n, f_open;  // frames that began to leave
 logic [ColW-1:0] f_w, f_x;  // W - 1 of the frame that is followed; column of the next word
 logic [RowW-1:0] f_h, f_y;
-logic [2:0]      f_since;  // clocks since a frame was announced, saturating
-logic [1:0]      f_go, f_at;
-logic f_pending, f_follow, f_wrap, f_matchable, f_row, f_matched, f_stepped, f_follow_stepped, f_waited;
+logic f_follow, f_wrap, f_matchable, f_row, f_matched, f_stepped, f_follow_stepped, f_waited;
 logic f_narrow;
 logic [4:0] f_flags;
 logic [5:0] f_held;
 
-assign f_place     = f_n - f_open;
-assign f_pending   = (32'(f_place) < 32'(pending_q));
-assign f_at        = pending_read_q + f_place[1:0];
 assign f_follow    = busy_q & (f_open - 4'd1 == f_n);
 assign f_wrap      = f_follow ? (f_x == f_w) : row_end_q;
 assign f_matchable = (32'(f_w) >= FirstX + Radius) & (32'(f_h) >= 2 * Radius);
@@ -33,25 +27,20 @@ assign f_matched   = f_row & (32'(f_x) >= FirstX) & (32'(f_x) + Radius <= 32'(f_
 always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
   f_n       <= f_n;
-  if (begin_valid_i) begin
-    f_in <= f_in + 1'b1;
-    if (f_in == f_n) begin
-      f_w <= begin_last_col_i;
-      f_h <= begin_last_row_i;
-      f_narrow <= begin_narrow_i;
-    end
-  end
   if (step) begin
     f_x <= f_wrap ? '0 : f_x + 1'b1;
     if (f_wrap) f_y <= f_y + 1'b1;
   end
   if (open) begin
     f_open <= f_open + 1'b1;
+    if (f_open == f_n) begin
+      f_w <= begin_last_col_i;
+      f_h <= begin_last_row_i;
+      f_narrow <= begin_narrow_i;
+    end
     f_x    <= '0;
     f_y    <= '0;
   end
-  f_since          <= begin_valid_i ? 3'd1 : (f_since == 3'd4) ? f_since : f_since + 1'b1;
-  f_go             <= {f_go[0], go_o};
   f_stepped        <= step;
   f_follow_stepped <= step & f_follow;
   f_flags          <= {f_x == 0 && f_y == 0, f_x == f_w, f_x == f_w && f_y == f_h,
@@ -59,10 +48,7 @@ always_ff @(posedge clk_i) begin
   f_waited         <= valid_o & ~ready_i;
   f_held           <= {sof_o, eol_o, last_o, matched_o, complete_o, narrow_o};
   if (!rst_ni) begin
-    f_in             <= '0;
     f_open           <= '0;
-    f_since          <= 3'd4;
-    f_go             <= '0;
     f_stepped        <= 1'b0;
     f_follow_stepped <= 1'b0;
     f_waited         <= 1'b0;
@@ -77,7 +63,6 @@ always_comb begin
   if (!f_started) assume (!rst_ni);
 `endif
   if (f_started && begin_valid_i) begin
-    assume (f_go[1] && f_since == 3'd4);
     assume (32'(begin_last_col_i) >= MinWidth - 1 && 32'(begin_last_row_i) >= MinHeight - 1);
   end
   if (f_started) begin
@@ -94,19 +79,11 @@ always_comb begin
     if (f_follow && f_x == f_w && f_y == f_h && (!valid_o || ready_i)) assert (frame_end);
 
     // Frames.
-    assert (32'(pending_q) <= NumPending);
-    if (begin_valid_i) assert (32'(pending_q) < NumPending);
+    if (begin_valid_i && (!busy_q || frame_end)) assert (open);
 
     // What makes these inductive.
-    assert (4'(pending_q) == f_in - f_open && pending_q[1:0] == pending_write_q - pending_read_q);
-    assert (f_since >= 3'd1 && f_since <= 3'd4);
-    if (go_o) assert (32'(pending_q) < 3 + 32'(f_since == 3'd1));
-    if (f_go[0]) assert (32'(pending_q) < 3 + 32'(f_since <= 3'd2));
-    if (f_go[1]) assert (32'(pending_q) < 3 + 32'(f_since <= 3'd3));
-    if (f_pending) assert (pending_narrow_q[f_at] == f_narrow);
     if (f_follow) assert (narrow_q == f_narrow);
-    if (f_pending) assert ({pending_last_col_q[f_at], pending_last_row_q[f_at]} == {f_w, f_h});
-    if (f_pending || f_follow) assert (32'(f_w) >= MinWidth - 1 && 32'(f_h) >= MinHeight - 1);
+    if (f_follow) assert (32'(f_w) >= MinWidth - 1 && 32'(f_h) >= MinHeight - 1);
     if (busy_q) assert (x_q == f_x && y_q == f_y);
     if (f_follow) begin
       assert (first_q == (f_x == 0 && f_y == 0));

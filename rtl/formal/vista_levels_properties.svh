@@ -4,7 +4,8 @@
 // come in order, each with half the size of the one before it, as many as were asked for and are large enough; a frame
 // begins with level 0 and its own size; what waits holds still.
 //
-// Assumed of vista_frame_guard: the size is one the engine takes, and stays until the frame has left.
+// Assumed of vista_frame_guard: the size is one the engine takes, and stays until the frame has left; of it and the memory:
+// a frame and a level start where the one before it ended. Then nothing is ever lost.
 
 logic             f_started = 1'b0;
 logic             f_stepped, f_waited, f_reduce_waited, f_more, f_new, f_follows, f_inside;
@@ -95,6 +96,10 @@ always_comb begin
       assume (last_col_i == f_source_width && last_row_i == f_source_height && levels_i == f_source_levels);
     end
     if (f_fetch_held) assume (fetch_valid_i && {fetch_eol_i, fetch_data_i} == f_fetch_beat);
+
+    if (source_valid_i && first_q) assume (source_sof_i == level_sof);
+    if (fetch_valid_i && !first_q) assume (fetch_sof_i == level_sof);
+    assert (!lost_o);
 
     // Beats.
     assert (step == ((source_valid_i & source_ready_o) | (fetch_valid_i & fetch_ready_o)));

@@ -21,14 +21,14 @@ logic [1:0]           f_count;                    // pixels of it, saturating
 logic [PtrW-1:0]      f_at;
 
 assign f_place = f_n - f_out;
-assign f_at    = read_ptr_q + PtrW'(f_place - 6'd1);  // of the pixel that is followed, behind the one that is offered
+assign f_at    = read_ptr_q[PtrW-1:0] + PtrW'(f_place - 6'd1);  // of the pixel that is followed, behind the one that is offered
 
 always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
   f_n       <= f_n;
   if (go_o) f_age <= (PtrW + 1)'(1);
   else if (32'(f_age) <= InFlight - 3) f_age <= f_age + 1'b1;
-  f_level1 <= level_q;
+  f_level1 <= level;
   if (write) begin
     f_in <= f_in + 1'b1;
     if (f_in == f_n) begin
@@ -78,14 +78,14 @@ always_comb begin
     if (result_valid_i && f_cut) assume (result_cut_i);
 
     // Never too many.
-    assert (32'(level_q) <= Depth);
-    assert (!write || 32'(level_q) < Depth);
+    assert (32'(level) <= Depth);
+    assert (!write || 32'(level) < Depth);
 
     // In order, once each.
-    assert (f_in - f_out == 6'(level_q) + 6'(valid_o));
+    assert (f_in - f_out == 6'(level) + 6'(valid_o));
     assert (f_seen == (f_place < f_in - f_out));
     if (f_seen && f_place == 0 && valid_o) assert (word == f_word);
-    if (f_seen && !(f_place == 0 && valid_o)) assert (WordW'(u_waiting.mem[valid_o ? f_at : read_ptr_q + PtrW'(f_place)]) == f_word);
+    if (f_seen && !(f_place == 0 && valid_o)) assert (WordW'(u_waiting.mem[valid_o ? f_at : read_ptr_q[PtrW-1:0] + PtrW'(f_place)]) == f_word);
     if (f_waited) assert (valid_o && word == f_held);
 
     // From the result to the pixel that is handed over.
@@ -96,10 +96,9 @@ always_comb begin
     if (write && !hold_end_q && !load) assert (f_count == 2'd3);
 
     // What makes these inductive.
-    assert (level_q[PtrW-1:0] == write_ptr_q - read_ptr_q);
     assert (!go_o || 32'(f_level1) < Depth - InFlight);
-    assert (32'(level_q) + 32'(hold_valid_q) <= 32'(f_level1) + 2);
-    assert (32'(level_q) + 32'(hold_valid_q) <= Depth - InFlight + 1 + (go_o ? 0 : 32'(f_age)));
+    assert (32'(level) + 32'(hold_valid_q) <= 32'(f_level1) + 2);
+    assert (32'(level) + 32'(hold_valid_q) <= Depth - InFlight + 1 + (go_o ? 0 : 32'(f_age)));
     assert (f_age != '0 && 32'(f_age) <= InFlight - 2);
     if (!f_end) assert (count_q == f_count && count_q != '0);
     if (hold_valid_q) assert (hold_end_q == f_end);

@@ -2,6 +2,9 @@
 // Properties of vista_rectify_rows, inside it: each frame is handed over row by row from 0 to H - 1, each with what it
 // needs and frees; a row comes only when the rows that it needs are there; its control points are read once each, in
 // order; and a segment always finds room.
+//
+// Assumed of vista_rectify_ring and the framer: the frame that waits begins behind the rows that are needed, and the line
+// buffer holds what lies between.
 
 localparam int unsigned FLatency = ValueLatency + 2;  // from the read of a lower point to its segment
 
@@ -44,6 +47,9 @@ always_comb begin
   if (!f_started) assume (!rst_ni);
 `endif
   if (f_started) begin
+    if (state_q == StWait && frame_valid_i) assume (base_i - needed_o != '0 && base_i - needed_o <= NumberW'(NumRows));
+    if (state_q == StPoints) assert (last_taken_q == (f_y == last_row_q));
+
     assert (f_busy == (state_q != StIdle));
     assert (frame_ready_o == (frame_valid_i & ~f_busy));
     if (f_busy) assert (y_q == f_y && f_y <= last_row_q);

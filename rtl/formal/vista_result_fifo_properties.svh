@@ -9,9 +9,10 @@ logic [PtrW:0]       f_age;      // clocks since `go_o` was up, saturating
 logic [PtrW:0]       f_stored;   // in memory
 logic [PtrW:0]       f_stored1;  // the clock before
 logic [PtrW+1:0]     f_balance;  // words that came, less those that left
-logic [2:0]          f_claimed;
+logic [2:0]          f_ahead, f_claimed;  // words that are ahead, and those that will be
 
-assign f_claimed = ahead_level_q + {2'b0, read1_q} + {2'b0, read2_q};
+assign f_ahead   = read1_ptr_q - {2'b0, read2_q} - out_ptr_q;
+assign f_claimed = f_ahead + {2'b0, read1_q} + {2'b0, read2_q};
 
 always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
@@ -42,9 +43,9 @@ always_comb begin
     assert (f_stored <= f_stored1 + 1'b1 && f_age != '0 && 32'(f_age) <= InFlight - 2);
     assert (32'(f_stored) <= Depth - InFlight + 1 + (go_o ? 0 : 32'(f_age)));
     assert (f_stored[PtrW-1:0] == write_ptr_q - read_ptr_q);
-    assert (32'(ahead_claimed_q) <= Ahead && 32'(ahead_level_q) <= Ahead);
-    assert (ahead_claimed_q == f_claimed);
-    assert (ahead_level_q[1:0] == ahead_write_q - ahead_read_q);
+    assert (32'(f_claimed) <= Ahead && 32'(f_ahead) <= Ahead);
+    assert (claimed == f_claimed && valid_o == (f_ahead != '0));
+    assert (read1_ptr_q[1:0] == read2_ptr_q + 2'(read2_q) && read_ptr_q[2:0] == read1_ptr_q + 3'(read1_q));
     assert (32'(f_balance) == 32'(f_stored) + 32'(f_claimed));
   end
 end

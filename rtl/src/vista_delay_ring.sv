@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fixed delay of a word by `Latency` clocks, 4 or more, in a ring in memory whose word leaves through a register.
+// Fixed delay of a word by `Latency` clocks, 4 or more, in a ring in memory whose word leaves through a register. A reset
+// leaves the memory as it is; `since_reset_o` tells that the word that leaves came after it.
 
 module vista_delay_ring #(
   parameter int unsigned Width = 8,
@@ -10,6 +11,7 @@ module vista_delay_ring #(
   input  logic             rst_ni,
   input  logic [Width-1:0] data_i,
   output logic [Width-1:0] data_o,
+  output logic             since_reset_o,
   output logic             upset_o
 );
 
@@ -17,10 +19,19 @@ module vista_delay_ring #(
   localparam int unsigned PtrW = $clog2(Latency - 1);
 
   logic [PtrW-1:0] ptr_q;
+  logic turn_end, turned_q;
+
+  assign turn_end = (32'(ptr_q) == Latency - 2);
 
   always_ff @(posedge clk_i) begin
-    ptr_q <= (32'(ptr_q) == Latency - 2) ? '0 : ptr_q + 1'b1;
-    if (!rst_ni) ptr_q <= '0;
+    ptr_q         <= turn_end ? '0 : ptr_q + 1'b1;
+    turned_q      <= turned_q | turn_end;
+    since_reset_o <= turned_q;
+    if (!rst_ni) begin
+      ptr_q         <= '0;
+      turned_q      <= 1'b0;
+      since_reset_o <= 1'b0;
+    end
   end
 
   vista_memory #(

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Counts through the words of each frame: which are matched, where rows and the frame end.
 //
-// Matched are x in D-1+r .. W-1-r and y in r .. H-1-r. A frame starts to leave when the framer says so (`begin_*_i`);
-// from then on one position a clock follows by itself.
+// Matched are x in D-1+r .. W-1-r and y in r .. H-1-r. A frame that waits begins when the one before it ends; from then
+// on one position a clock follows by itself. It has to wait until its first position has left.
 //
-// Latency: 3 clocks from `begin_valid_i` to `valid_o`.
+// Latency: 2 clocks from `begin_valid_i` to `valid_o`.
 
 module vista_frame_positions #(
   parameter int unsigned NumDisparities = 32,
@@ -20,8 +20,8 @@ module vista_frame_positions #(
   input  logic [ColW-1:0] begin_last_col_i,
   input  logic [RowW-1:0] begin_last_row_i,
   input  logic            begin_narrow_i,
-  output logic            go_o,  // room for the beginning of a further frame
 
+  output logic idle_o,  // no frame is leaving
   output logic valid_o,
   input  logic ready_i,
   output logic sof_o,
@@ -34,33 +34,6 @@ module vista_frame_positions #(
 
   localparam int unsigned Radius = BlockSize / 2;
   localparam int unsigned FirstX = NumDisparities - 1 + Radius;
-  localparam int unsigned NumPending = 4;
-
-  // Frames that may leave. The framer is stopped one short of full; the one that is on its way still fits.
-  logic [NumPending-1:0][ColW-1:0] pending_last_col_q;
-  logic [NumPending-1:0][RowW-1:0] pending_last_row_q;
-  logic [NumPending-1:0]           pending_narrow_q;
-  logic [1:0] pending_write_q, pending_read_q;
-  logic [2:0] pending_q;
-  logic open, frame_end;
-
-  always_ff @(posedge clk_i) begin
-    if (begin_valid_i) begin
-      pending_last_col_q[pending_write_q] <= begin_last_col_i;
-      pending_last_row_q[pending_write_q] <= begin_last_row_i;
-      pending_narrow_q[pending_write_q]   <= begin_narrow_i;
-      pending_write_q                     <= pending_write_q + 1'b1;
-    end
-    if (open) pending_read_q <= pending_read_q + 1'b1;
-    pending_q <= pending_q + 3'(begin_valid_i) - 3'(open);
-    go_o      <= 32'(pending_q) < NumPending - 1;
-    if (!rst_ni) begin
-      pending_write_q <= '0;
-      pending_read_q  <= '0;
-      pending_q       <= '0;
-      go_o            <= 1'b0;
-    end
-  end
 
   // The frame that is leaving.
   logic busy_q, narrow_q;
@@ -75,10 +48,11 @@ module vista_frame_positions #(
   // the first match, the last match; the row likewise.
   logic row_end_q, before_match_q, last_match_q;
   logic last_row_q, before_match_row_q, last_match_row_q;
-  logic step;
+  logic open, step, frame_end;
   logic [ColW-1:0] next_x;
 
-  assign open = (pending_q != '0) & (~busy_q | frame_end);
+  assign open   = begin_valid_i & (~busy_q | frame_end);
+  assign idle_o = ~busy_q & ~valid_o;
 
   assign step      = busy_q & (~valid_o | ready_i);
   assign frame_end = step & row_end_q & last_row_q;
@@ -100,14 +74,14 @@ module vista_frame_positions #(
       else if (last_match_q) matched_q <= 1'b0;
     end
     // A row has MinWidth columns or more: these are a clock late in the first one, and asked for in the last one.
-    last_row_q         <= (y_q == last_y_q);
+    last_row_q         <= (y_q >= last_y_q);
     before_match_row_q <= (32'(y_q) == Radius - 1);
     last_match_row_q   <= (y_q == match_last_y_q);
     if (frame_end) busy_q <= 1'b0;
     if (open) begin
       busy_q         <= 1'b1;
       first_q        <= 1'b1;
-      narrow_q       <= pending_narrow_q[pending_read_q];
+      narrow_q       <= begin_narrow_i;
       x_q            <= '0;
       y_q            <= '0;
       row_end_q      <= 1'b0;
@@ -115,12 +89,11 @@ module vista_frame_positions #(
       last_match_q   <= 1'b0;
       row_q          <= 1'b0;
       matched_q      <= 1'b0;
-      last_x_q       <= pending_last_col_q[pending_read_q];
-      last_y_q       <= pending_last_row_q[pending_read_q];
-      match_last_x_q <= pending_last_col_q[pending_read_q] - ColW'(Radius);
-      match_last_y_q <= pending_last_row_q[pending_read_q] - RowW'(Radius);
-      matchable_q    <= (32'(pending_last_col_q[pending_read_q]) >= FirstX + Radius) &
-          (32'(pending_last_row_q[pending_read_q]) >= 2 * Radius);
+      last_x_q       <= begin_last_col_i;
+      last_y_q       <= begin_last_row_i;
+      match_last_x_q <= begin_last_col_i - ColW'(Radius);
+      match_last_y_q <= begin_last_row_i - RowW'(Radius);
+      matchable_q    <= (32'(begin_last_col_i) >= FirstX + Radius) & (32'(begin_last_row_i) >= 2 * Radius);
     end
 
     if (~valid_o | ready_i) begin

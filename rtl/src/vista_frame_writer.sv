@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lays out the words of each frame: results where a pixel is matched, invalid words everywhere else.
 //
-// A frame starts to leave when the framer says so (`begin_*_i`). From then on the words of the border follow by
-// themselves, so the last rows of a frame need no further input. Positions are counted ahead of the words, so that what
+// A frame starts to leave with its beginning, which comes before its results. From then on the words of the border follow
+// by themselves, so the last rows of a frame need no further input. Positions are counted ahead of the words, so that what
 // holds a word back does not reach the counters in the same clock.
 //
-// Latency: 1 clock from a result to `valid_o`; 5 clocks from `begin_valid_i` to the first word.
+// A bit that is upset somewhere may lose a result or make one too many. So a pixel without a result is invalid if the next
+// frame waits already, and a result that no frame has room for is dropped: the next frame has its own again. Both are told.
+//
+// Latency: 1 clock from a result to `valid_o`; 4 clocks from a beginning to the first word.
 
 module vista_frame_writer #(
   parameter int unsigned NumDisparities = 32,
@@ -19,14 +22,12 @@ module vista_frame_writer #(
   input  logic clk_i,
   input  logic rst_ni,
 
-  input  logic            begin_valid_i,
-  input  logic [ColW-1:0] begin_last_col_i,
-  input  logic [RowW-1:0] begin_last_row_i,
-  input  logic            begin_narrow_i,
-  output logic            go_o,  // room for the beginning of a further frame
-
-  input  logic                         result_valid_i,
-  output logic                         result_ready_o,
+  input  logic                         queued_valid_i,
+  output logic                         queued_ready_o,
+  input  logic                         queued_begin_i,      // the beginning of a frame, else a result
+  input  logic [ColW-1:0]              begin_last_col_i,
+  input  logic [RowW-1:0]              begin_last_row_i,
+  input  logic                         begin_narrow_i,
   input  logic signed [DisparityW-1:0] result_disparity_i,
   input  logic [SminW-1:0]             result_smin_i,
 
@@ -38,7 +39,8 @@ module vista_frame_writer #(
   output logic             complete_o,    // a word of the frame's format
   output logic signed [DisparityW-1:0] disparity_o,
   output logic [SminW-1:0] smin_o,
-  output logic             frame_end_o  // the last word of a frame was handed over to `valid_o`
+  output logic             frame_end_o,  // the last word of a frame was handed over to `valid_o`
+  output logic             upset_o       // a frame has too few results or too many
 );
 
   import vista_stereo_pkg::*;
@@ -46,7 +48,10 @@ module vista_frame_writer #(
   logic counted_valid, counted_ready, counted_sof, counted_eol, counted_last, counted_narrow, counted_complete;
   logic counted_matched;
   logic place_valid, sof, eol, last, narrow, complete, matched;
-  logic free, step;
+  logic free, step, waiting_begin, waiting_result, positions_idle, missing, stray;
+
+  assign waiting_begin  = queued_valid_i & queued_begin_i;
+  assign waiting_result = queued_valid_i & ~queued_begin_i;
 
   vista_frame_positions #(
     .NumDisparities (NumDisparities),
@@ -55,11 +60,11 @@ module vista_frame_writer #(
   ) u_positions (
     .clk_i,
     .rst_ni,
-    .begin_valid_i,
+    .begin_valid_i (waiting_begin),
     .begin_last_col_i,
     .begin_last_row_i,
     .begin_narrow_i,
-    .go_o,
+    .idle_o    (positions_idle),
     .valid_o   (counted_valid),
     .ready_i   (counted_ready),
     .sof_o     (counted_sof),
@@ -84,8 +89,10 @@ module vista_frame_writer #(
   );
 
   assign free           = ~valid_o | ready_i;
-  assign step           = place_valid & free & (~matched | result_valid_i);
-  assign result_ready_o = place_valid & free & matched;
+  assign step           = place_valid & free & (~matched | queued_valid_i);
+  assign missing        = place_valid & matched & waiting_begin;
+  assign stray          = waiting_result & positions_idle & ~place_valid;
+  assign queued_ready_o = (place_valid & free & (queued_begin_i ? sof : matched)) | stray;
 
   always_ff @(posedge clk_i) begin
     if (free) begin
@@ -94,14 +101,16 @@ module vista_frame_writer #(
       eol_o       <= eol;
       narrow_o    <= narrow;
       complete_o  <= complete;
-      disparity_o <= matched ? result_disparity_i : DisparityW'(Invalid);
-      smin_o      <= matched ? result_smin_i : '1;
+      disparity_o <= (matched & ~queued_begin_i) ? result_disparity_i : DisparityW'(Invalid);
+      smin_o      <= (matched & ~queued_begin_i) ? result_smin_i : '1;
     end
     frame_end_o <= step & last;
+    upset_o     <= missing | stray;
 
     if (!rst_ni) begin
       valid_o     <= 1'b0;
       frame_end_o <= 1'b0;
+      upset_o     <= 1'b0;
     end
   end
 

@@ -9,6 +9,9 @@
 // missing pixels are filled in at one a clock, their slots marked `cut`, and the rest of the input is dropped up to the
 // next start of frame. Thus every frame that was begun gives all of its W * H words.
 //
+// Between frames the counters are set to those of a first pixel, whatever they were, so a bit of theirs that is upset
+// disturbs no later frame.
+//
 // Latency: 1 clock from an accepted beat to `store_*_o`; its slot is there a clock before, for a user to add to it what it
 // needs (vista_match_slots) and keep it in a register. Counters are as wide as the columns and rows they
 // count; W - 1 and H - 1 rather than W and H are kept, so MaxWidth = 2^k needs no further bit.
@@ -70,7 +73,7 @@ module vista_framer #(
   logic [ColW-1:0] drain_col_q, slot_width_less_1_q;
   logic slot_odd_q;  // of an odd number of rows
 
-  logic head_sof, blocked, start, take, fill, step, frame_end, drop;
+  logic head_sof, blocked, start, take, fill, step, frame_end, between, drop;
   logic bad_eol;
 
   assign head_sof = valid_i & sof_i;
@@ -88,6 +91,7 @@ module vista_framer #(
   assign ready_o = start | take | drop;
 
   assign frame_end = step & last_pixel_q;
+  assign between   = frame_end | ~(active_q | start);
   assign bad_eol   = (start | take) & (eol_i != last_col_q);
 
   always_ff @(posedge clk_i) begin
@@ -102,9 +106,9 @@ module vista_framer #(
       last_col_q <= ~start & (col_q + 1'b1 == width_less_1_q);
       last_pixel_q <= ~start & in_last_row_q & (col_q + 1'b1 == width_less_1_q);
       if (last_col_q) begin
-        row_q          <= in_last_row_q ? '0 : row_q + 1'b1;
-        in_first_row_q <= in_last_row_q;
-        in_last_row_q  <= ~in_last_row_q & (row_q + 1'b1 == last_row_q);
+        row_q          <= row_q + 1'b1;
+        in_first_row_q <= 1'b0;
+        in_last_row_q  <= (row_q + 1'b1 >= last_row_q);
       end
     end
     if (bad_eol | (active_q & ~fill_q & head_sof)) fill_q <= 1'b1;
@@ -118,9 +122,11 @@ module vista_framer #(
     if (bad_eol | (drop & ~active_q)) lost_q <= 1'b1;
 
     if (!rst_ni) begin
-      active_q       <= 1'b0;
-      fill_q         <= 1'b0;
-      lost_q         <= 1'b1;
+      active_q <= 1'b0;
+      fill_q   <= 1'b0;
+      lost_q   <= 1'b1;
+    end
+    if (!rst_ni | between) begin
       last_col_q     <= 1'b0;
       last_pixel_q   <= 1'b0;
       in_first_row_q <= 1'b1;

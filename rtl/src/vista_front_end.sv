@@ -69,6 +69,7 @@ module vista_front_end #(
   output logic [SideWidth-1:0] side_o,
 
   output logic busy_o,  // a pixel of a frame that is to be taken waits
+  output logic lost_o,  // one clock: levels and frames do not fit any more, all has to be reset
   output vista_stereo_pkg::events_t events_o  // without `frame_end`
 );
 
@@ -169,6 +170,7 @@ module vista_front_end #(
     .m_axis_tdata      (level_data),
     .m_axis_tuser      (level_sof),
     .m_axis_tlast      (level_eol),
+    .lost_o,
     .level_follows_o   (events_o.level_follows),
     .level_o           (),
     .width_o           (level_width),

@@ -3,7 +3,9 @@
 // reducer has stored it. A level that is followed by a smaller one also goes to the reducer.
 //
 // A level that the engine would not take, below 4x2 pixels, is not sent, and none after it.
-// Frames come well ended (vista_frame_guard, vista_pixel_writer): whole, or with an end of line in the wrong place.
+// Frames come well ended (vista_frame_guard, vista_pixel_writer): whole, or with an end of line in the wrong place. So a
+// level starts where the source or the memory says that it does. If it does not, a bit was upset somewhere, and it is not
+// known any more which level of which frame is where: `lost_o` asks for a reset of all that deals with frames.
 //
 // Latency: 1 clock. No clock is lost from one level to the next or from one frame to the next.
 
@@ -26,11 +28,13 @@ module vista_levels #(
 
   input  logic             source_valid_i,
   output logic             source_ready_o,
+  input  logic             source_sof_i,
   input  logic             source_eol_i,
   input  logic [DataW-1:0] source_data_i,
 
   input  logic             fetch_valid_i,
   output logic             fetch_ready_o,
+  input  logic             fetch_sof_i,
   input  logic             fetch_eol_i,
   input  logic [DataW-1:0] fetch_data_i,
 
@@ -49,6 +53,7 @@ module vista_levels #(
   output logic [DataW-1:0] data_o,
 
   // Properties of the level that is leaving; they change when its first pixel is offered.
+  output logic                 lost_o,     // one clock
   output logic                 follows_o,  // one clock: a level begins that a smaller one follows
   output logic [1:0]           level_o,
   output logic [ColW:0]        width_o,
@@ -120,6 +125,7 @@ module vista_levels #(
             (32'(end_col) / 2 + 1 >= FollowedWidth) & (32'(end_row) / 2 + 1 >= FollowedHeight);
       end
     end
+    lost_o <= step & ((first_q ? source_sof_i : fetch_sof_i) != level_sof);
     if (free) begin
       valid_o <= step;
       sof_o   <= level_sof;
@@ -139,6 +145,7 @@ module vista_levels #(
       last_col_q <= 1'b0;
       row_q      <= '0;
       valid_o    <= 1'b0;
+      lost_o     <= 1'b0;
     end
   end
 

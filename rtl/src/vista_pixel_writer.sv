@@ -6,7 +6,8 @@
 // which pixel is the last, each waits for the next one. A frame that breaks off within its first three pixels is filled
 // up to three.
 //
-// The writer has no `ready`: `go_o` falls early enough that what is still on its way, at most `InFlight` pixels, fits.
+// The writer has no `ready`: `go_o` falls early enough that what is still on its way, at most `InFlight` pixels, fits. How
+// many wait is the difference of the places of writing and reading, and counted nowhere else.
 //
 // Latency: 4 clocks from the result behind a pixel to the pixel.
 
@@ -72,12 +73,12 @@ module vista_pixel_writer #(
   end
 
   // What waits for the reader.
-  logic [PtrW-1:0] write_ptr_q, read_ptr_q;
-  logic [PtrW:0]    level_q;
-  logic             read;
+  logic [PtrW:0] write_ptr_q, read_ptr_q, level;
+  logic          read;
   logic [WordW-1:0] word;
 
-  assign read = (level_q != '0) & (~valid_o | ready_i);
+  assign level = write_ptr_q - read_ptr_q;
+  assign read  = (write_ptr_q != read_ptr_q) & (~valid_o | ready_i);
 
   vista_memory #(
     .Width  (WordW),
@@ -86,11 +87,11 @@ module vista_pixel_writer #(
   ) u_waiting (
     .write_clk_i  (clk_i),
     .write_i      (write),
-    .write_addr_i (write_ptr_q),
+    .write_addr_i (write_ptr_q[PtrW-1:0]),
     .write_data_i ({hold_side_q, hold_sof_q, write_eol, hold_data_q}),
     .clk_i,
     .read_i       (read),
-    .read_addr_i  (read_ptr_q),
+    .read_addr_i  (read_ptr_q[PtrW-1:0]),
     .read_data_o  (word),
     .upset_o
   );
@@ -99,12 +100,10 @@ module vista_pixel_writer #(
     if (write) write_ptr_q <= write_ptr_q + 1'b1;
     if (read) read_ptr_q <= read_ptr_q + 1'b1;
     if (~valid_o | ready_i) valid_o <= read;
-    level_q <= level_q + (PtrW + 1)'(write) - (PtrW + 1)'(read);
-    go_o    <= 32'(level_q) < Depth - InFlight;
+    go_o <= 32'(level) < Depth - InFlight;
     if (!rst_ni) begin
       write_ptr_q <= '0;
       read_ptr_q  <= '0;
-      level_q     <= '0;
       valid_o     <= 1'b0;
       go_o        <= 1'b0;
     end

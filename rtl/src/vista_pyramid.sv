@@ -67,6 +67,7 @@ module vista_pyramid #(
   output logic [SideWidth-1:0] side_o,
 
   // Events, one clock each.
+  output logic lost_o,           // a level does not start where it should: all has to be reset
   output logic level_follows_o,  // a level begins that a smaller one follows
   output logic frame_start_o,
   output logic error_early_eol_o,
@@ -81,7 +82,7 @@ module vista_pyramid #(
     $fatal(1, "SideWidth must be 1 or more");
   end
 
-  logic source_valid, source_ready, source_eol, fetch_valid, fetch_ready, fetch_eol;
+  logic source_valid, source_ready, source_sof, source_eol, fetch_valid, fetch_ready, fetch_sof, fetch_eol;
   logic reduce_valid, reduce_ready, reduce_sof, reduce_eol;
   logic [DataW-1:0] source_data, fetch_data, reduce_data;
   logic [ColW-1:0] source_last_col;
@@ -112,7 +113,7 @@ module vista_pyramid #(
     .data_i   (s_axis_tdata),
     .valid_o  (source_valid),
     .ready_i  (source_ready),
-    .sof_o    (),
+    .sof_o    (source_sof),
     .eol_o    (source_eol),
     .data_o   (source_data),
     .last_col_o (source_last_col),
@@ -127,21 +128,17 @@ module vista_pyramid #(
   );
 
   vista_skid #(
-    .Width(DataW + 1)
+    .Width(DataW + 2)
   ) u_fetch_skid (
     .clk_i,
     .rst_ni,
     .valid_i (fetch_axis_tvalid),
     .ready_o (fetch_axis_tready),
-    .data_i  ({fetch_axis_tlast, fetch_axis_tdata}),
+    .data_i  ({fetch_axis_tuser, fetch_axis_tlast, fetch_axis_tdata}),
     .valid_o (fetch_valid),
     .ready_i (fetch_ready),
-    .data_o  ({fetch_eol, fetch_data})
+    .data_o  ({fetch_sof, fetch_eol, fetch_data})
   );
-
-  // The levels are told apart by their sizes.
-  logic unused_fetch;
-  assign unused_fetch = fetch_axis_tuser;
 
   vista_levels #(
     .MaxWidth  (MaxWidth),
@@ -156,10 +153,12 @@ module vista_pyramid #(
     .side_i          (source_side),
     .source_valid_i  (source_valid),
     .source_ready_o  (source_ready),
+    .source_sof_i    (source_sof),
     .source_eol_i    (source_eol),
     .source_data_i   (source_data),
     .fetch_valid_i   (fetch_valid),
     .fetch_ready_o   (fetch_ready),
+    .fetch_sof_i     (fetch_sof),
     .fetch_eol_i     (fetch_eol),
     .fetch_data_i    (fetch_data),
     .reduce_valid_o  (reduce_valid),
@@ -174,6 +173,7 @@ module vista_pyramid #(
     .sof_o           (m_axis_tuser),
     .eol_o           (m_axis_tlast),
     .data_o          (m_axis_tdata),
+    .lost_o,
     .follows_o       (level_follows_o),
     .level_o,
     .width_o,

@@ -224,7 +224,7 @@ module vista_rectify #(
   );
 
   // Frames, from the writing of the line buffer to its reading.
-  logic frame_valid, frame_ready, frame_on, frame_bank, frame_end;
+  logic frame_valid, frame_ready, frame_on, frame_bank, frame_end, rows_idle;
   logic [ColW-1:0] frame_last_col;
   logic [RowW-1:0] frame_last_row;
   logic [NumberW-1:0] frame_base;
@@ -254,7 +254,7 @@ module vista_rectify #(
   logic [ColW-1:0] row_last_col;
   logic [SideWidth-1:0] row_side;
 
-  logic segment_valid, segment_ready;
+  logic segment_valid, segment_ready, segment_first, segment_top;
   logic signed [1:0][1:0][ValueW-1:0] segment_value;
   logic signed [1:0][1:0][SlopeW-1:0] segment_slope;
 
@@ -274,6 +274,7 @@ module vista_rectify #(
     .on_i            (frame_on),
     .bank_i          (frame_bank),
     .side_i          (frame_side),
+    .idle_o          (rows_idle),
     .frame_end_o     (frame_end),
     .number_i        (number),
     .needed_o        (needed),
@@ -295,38 +296,56 @@ module vista_rectify #(
     .row_side_o      (row_side),
     .segment_valid_o (segment_valid),
     .segment_ready_i (segment_ready),
+    .segment_first_o (segment_first),
+    .segment_top_o   (segment_top),
     .segment_value_o (segment_value),
     .segment_slope_o (segment_slope)
   );
 
-  // Pixel by pixel along a row.
-  logic go, loaded_q, step, load, segment_end, row_end;
+  // Pixel by pixel along a row. A bit that is upset may make the segments of a row too few or too many. So those that are
+  // left over are dropped when the next row starts, and where one is missing that of a later row waits.
+  logic go, loaded_q, lead_q, top_q, fresh_q, start_q, stale, early, step, advance, load, segment_end, row_end;
   logic [StepW-1:0] i_q;
   logic [ColW-1:0]  x_q;
 
-  assign step          = loaded_q & row_valid & go;
+  assign stale         = start_q & (~lead_q | (row_first & ~top_q));
+  assign early         = lead_q & fresh_q & (~start_q | (top_q & ~row_first));
+  assign step          = loaded_q & row_valid & go & ~stale;
+  assign advance       = step & ~early;
   assign row_end       = step & (x_q == row_last_col);
-  assign segment_end   = step & ((32'(i_q) == StepPx - 1) | row_end);
+  assign segment_end   = (advance & ((32'(i_q) == StepPx - 1) | row_end)) | (loaded_q & row_valid & stale);
   assign load          = segment_valid & (~loaded_q | segment_end);
   assign segment_ready = load;
   assign row_ready     = row_end;
 
   always_ff @(posedge clk_i) begin
     if (load | segment_end) loaded_q <= load;
-    if (load) i_q <= '0;
-    else if (step) i_q <= i_q + 1'b1;
-    if (step) x_q <= row_end ? '0 : x_q + 1'b1;
+    if (load) begin
+      i_q     <= '0;
+      lead_q  <= segment_first;
+      top_q   <= segment_top;
+      fresh_q <= 1'b1;
+    end else if (advance) begin
+      i_q     <= i_q + 1'b1;
+      fresh_q <= 1'b0;
+    end
+    if (step) begin
+      x_q     <= row_end ? '0 : x_q + 1'b1;
+      start_q <= row_end;
+    end
     if (!rst_ni) begin
       loaded_q <= 1'b0;
+      start_q  <= 1'b1;
       x_q      <= '0;
     end
   end
 
-  // Rows are free for writing when the last of their pixels were read.
+  // Rows are free for writing when the last of their pixels were read; all are if no frame is there.
   logic [ReadLatency-1:0][NumberW-1:0] free_delay_q;
 
   always_ff @(posedge clk_i) begin
     if (row_end) free_delay_q[0] <= row_free;
+    else if (rows_idle & ~frame_valid & ~row_valid) free_delay_q[0] <= number;
     for (int unsigned i = 1; i < ReadLatency; i++) free_delay_q[i] <= free_delay_q[i-1];
     free_q <= free_delay_q[ReadLatency-1];
     if (!rst_ni) begin
@@ -335,6 +354,7 @@ module vista_rectify #(
     end
   end
 
+  logic map_upset;
   logic [1:0] map_write;
   logic [PointW:0] map_write_addr;
   logic [2*OffsetW-1:0] map_write_data;
@@ -342,7 +362,8 @@ module vista_rectify #(
   vista_rectify_map #(
     .MaxWidth  (MaxWidth),
     .NumRows   (NumRows),
-    .MaxPoints (MaxPoints)
+    .MaxPoints (MaxPoints),
+    .Parity    (Parity)
   ) u_map (
     .clk_i,
     .rst_ni,
@@ -367,14 +388,15 @@ module vista_rectify #(
     .frame_bank_i   (bank_q),
     .write_o        (map_write),
     .write_addr_o   (map_write_addr),
-    .write_data_o   (map_write_data)
+    .write_data_o   (map_write_data),
+    .upset_o        (map_upset)
   );
 
   logic [1:0][PixelW-1:0] pixels;
 
   logic [1:0] points_upset, sample_upset;
   logic writer_upset;
-  assign upset_o = |{points_upset, sample_upset, writer_upset};
+  assign upset_o = |{points_upset, sample_upset, writer_upset, map_upset};
 
   for (genvar i = 0; i < 2; i++) begin : gen_camera
     vista_rectify_points #(
@@ -405,7 +427,7 @@ module vista_rectify #(
       .load_i       (load),
       .value_i      (segment_value[i]),
       .slope_i      (segment_slope[i]),
-      .step_i       (step),
+      .step_i       (advance),
       .x_i          (x_q),
       .y_i          (row_y),
       .last_x_i     (row_last_col),

@@ -16,6 +16,7 @@ module vista_rectify_map #(
   parameter int unsigned MaxWidth = 1024,
   parameter int unsigned NumRows = 64,
   parameter int unsigned MaxPoints = 2048,  // of a camera; rounded up to a power of two
+  parameter bit Parity = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned PointW = $clog2(MaxPoints),
@@ -50,7 +51,8 @@ module vista_rectify_map #(
 
   output logic [1:0]           write_o,  // to the memory of each camera, the left one first
   output logic [PointW:0]      write_addr_o,
-  output logic [2*OffsetW-1:0] write_data_o
+  output logic [2*OffsetW-1:0] write_data_o,
+  output logic                 upset_o  // what is known of the map in force is not as it was loaded
 );
 
   import vista_rectify_pkg::*;
@@ -131,6 +133,19 @@ module vista_rectify_map #(
       valid_o <= 1'b0;
       bank_o  <= 1'b0;
     end
+  end
+
+  // The map in force outlives frames, so a bit of it that is upset stays until a map is loaded anew.
+  if (Parity) begin : gen_parity
+    logic parity_q, changed_q;
+
+    always_ff @(posedge clk_i) begin
+      changed_q <= accepted | ~rst_ni;
+      if (changed_q) parity_q <= ^{valid_o, bank_o, width_o, height_o};
+      upset_o <= ~accepted & ~changed_q & rst_ni & (parity_q != ^{valid_o, bank_o, width_o, height_o});
+    end
+  end else begin : gen_no_parity
+    assign upset_o = 1'b0;
   end
 
   // The other bank is free once the frames were read or dropped that began with it. They end in order, those that began

@@ -37,8 +37,9 @@ module vista_rectify_ring #(
 
   assign row_end = store_valid_i & (store_col_i == last_col_q);
   assign begins  = store_valid_i ? row_end : begins_q;  // the next pixel begins a row
-  assign room    = free_i + NumberW'(NumRows) - number_o;  // rows, with the one that arrives
-  assign go_o    = ~begins | ((room > NumberW'(row_end)) & frame_room_i);
+  // Rows, with the one that arrives. Less than none there are only after an upset; then the reader has to catch up.
+  assign room    = free_i + NumberW'(NumRows) - number_o;
+  assign go_o    = ~begins | (~room[NumberW-1] & (room > NumberW'(row_end)) & frame_room_i);
   assign cut_o   = cut_rows_q[row_i];
 
   always_ff @(posedge clk_i) begin

@@ -6,6 +6,9 @@
 // below it, as far as the frame has them; once it is read, the rows more than Reach above the next one are free. A frame
 // that was cut has filler in its last rows: a row that might need any is handed over as cut.
 //
+// A bit that is upset may make a frame need rows that it has not got. It then ends with the row that would need the first
+// one of the next frame, as soon as that has begun to arrive.
+//
 // Latency: 3 clocks from the last row needed to `row_valid_o`; ValueLatency + 6 from there to `segment_valid_o`. A
 // column of control points takes 2 clocks, a row 2 more.
 
@@ -34,6 +37,7 @@ module vista_rectify_rows #(
   input  logic                 on_i,      // 0: pixels stay where they are
   input  logic                 bank_i,    // of the map
   input  logic [SideWidth-1:0] side_i,
+  output logic                 idle_o,       // no frame was taken over that has rows left
   output logic                 frame_end_o,  // one clock: all its control points were read
 
   input  logic [NumberW-1:0] number_i,  // of the row that is arriving: those before it are there
@@ -60,6 +64,8 @@ module vista_rectify_rows #(
 
   output logic segment_valid_o,
   input  logic segment_ready_i,
+  output logic       segment_first_o,  // of its row; and that is the first of its frame
+  output logic       segment_top_o,
   output logic signed [3:0][ValueW-1:0] segment_value_o,  // at its first pixel, and 16 pixels on less that
   output logic signed [3:0][SlopeW-1:0] segment_slope_o
 );
@@ -68,6 +74,7 @@ module vista_rectify_rows #(
 
   localparam int unsigned Reach = reach(NumRows);
   localparam int unsigned Ahead = 2;  // segments that have room
+  localparam int unsigned AheadW = 4;
   localparam int unsigned PointsW = RowW - 3;
   localparam int unsigned RecordW = 3 + 2 * RowW + ColW + 2 * NumberW + SideWidth;
 
@@ -88,22 +95,27 @@ module vista_rectify_rows #(
   logic [PointW-1:0]  upper_addr_q;           // of the first point in the row of points above
   logic               lower_q;                // the lower one is read now
   logic [1:0]         ahead_q;
+  logic [AheadW-1:0]  under_way;
 
-  logic last, row_valid, row_ready, there, point, read, row_end, frame_end, segment_take;
-  logic [NumberW-1:0] behind;
+  logic last, last_taken_q, beyond, row_valid, row_ready, there, point, read, row_end, frame_end, segment_take;
+  logic [NumberW-1:0] behind, over;
 
-  assign last = (y_q == last_row_q);
+  // The row that is needed belongs to the frame that waits.
+  assign over   = needed_o - base_i;
+  assign beyond = frame_valid_i & ~over[NumberW-1];
+  assign last   = (y_q >= last_row_q) | beyond;
 
   // The row that is arriving lies behind the last one needed.
   assign behind    = number_i - needed_o - 1'b1;
   assign there     = ~behind[NumberW-1];
-  assign row_valid = (state_q == StWait) & there;
+  assign row_valid = (state_q == StWait) & (there | beyond);
 
   assign point     = (state_q == StPoints) & ((point_q == '0) | (32'(ahead_q) != Ahead) | lower_q);
   assign read      = point & lower_q;
-  assign row_end   = read & (point_q == last_point_q);
-  assign frame_end = row_end & last;
-  assign frame_ready_o = frame_valid_i & (state_q == StIdle);
+  assign row_end   = read & (point_q >= last_point_q);
+  assign frame_end = row_end & last_taken_q;
+  assign idle_o        = (state_q == StIdle);
+  assign frame_ready_o = frame_valid_i & idle_o;
   assign segment_take  = segment_valid_o & segment_ready_i;
 
   always_ff @(posedge clk_i) begin
@@ -111,7 +123,7 @@ module vista_rectify_rows #(
       StIdle: if (frame_valid_i) state_q <= StNeed;
       StNeed: state_q <= StWait;
       StWait: if (row_valid & row_ready) state_q <= StPoints;
-      default: if (row_end) state_q <= last ? StIdle : StNeed;
+      default: if (row_end) state_q <= last_taken_q ? StIdle : StNeed;
     endcase
 
     if (frame_ready_o) begin
@@ -129,8 +141,9 @@ module vista_rectify_rows #(
       needed_o <= base_q + NumberW'((32'(last_row_q - y_q) > Reach + 1) ? y_q + RowW'(Reach + 1) : last_row_q);
     end
     if (state_q == StWait) begin
-      point_q <= '0;
-      lower_q <= 1'b0;
+      point_q      <= '0;
+      lower_q      <= 1'b0;
+      last_taken_q <= last;
     end
     if (point) lower_q <= ~lower_q;
     if (read) point_q <= point_q + 1'b1;
@@ -138,7 +151,7 @@ module vista_rectify_rows #(
       y_q <= y_q + 1'b1;
       if (32'(y_q[StepW-1:0]) == StepPx - 1) upper_addr_q <= upper_addr_q + PointW'(last_point_q) + 1'b1;
     end
-    ahead_q     <= ahead_q + 2'(read & (point_q != '0)) - 2'(segment_take);
+    ahead_q     <= 2'(under_way + AheadW'(read & (point_q != '0)) - AheadW'(segment_take));
     frame_end_o <= frame_end;
 
     if (!rst_ni) begin
@@ -157,7 +170,7 @@ module vista_rectify_rows #(
     .ready_o (row_ready),
     .data_i  ({
       y_q == '0, last, cut_i, y_q, base_q, last_col_q, last_row_q,
-      base_q + (last ? NumberW'(last_row_q) + 1'b1
+      beyond ? base_i : base_q + (last ? NumberW'(last_row_q) + 1'b1
                        : NumberW'((32'(y_q) + 1 > Reach) ? y_q + 1'b1 - RowW'(Reach) : '0)), side_q
     }),
     .valid_o (row_valid_o),
@@ -168,7 +181,7 @@ module vista_rectify_rows #(
   );
 
   // The points' addresses, and what their values will be.
-  logic lower1_q, first1_q;
+  logic lower1_q, first1_q, second1_q, top1_q;
 
   always_ff @(posedge clk_i) begin
     addr_o   <= {bank_q, upper_addr_q + PointW'(point_q) + (lower_q ? PointW'(last_point_q) + 1'b1 : '0)};
@@ -176,21 +189,28 @@ module vista_rectify_rows #(
     on_o     <= on_q;
     lower1_q <= read;
     first1_q <= (point_q == '0);
+    second1_q <= (32'(point_q) == 1);
+    top1_q   <= (y_q == '0);
     if (!rst_ni) lower1_q <= 1'b0;
   end
 
   logic [ValueLatency-2:0] value_valid_q;
   logic [ValueLatency-2:0] value_first_q;  // of a row: no segment ends there
-  logic                    segment_valid_q;
+  logic [ValueLatency-2:0] value_second_q, value_top_q;  // the first segment of a row does; of a frame's first row
+  logic segment_valid_q, lead_q, top_q;
   logic signed [3:0][ValueW-1:0] before_q, first_q;
   logic signed [3:0][SlopeW-1:0] slope_q;
 
   always_ff @(posedge clk_i) begin
     value_valid_q <= {value_valid_q[ValueLatency-3:0], lower1_q};
     value_first_q <= {value_first_q[ValueLatency-3:0], first1_q};
+    value_second_q <= {value_second_q[ValueLatency-3:0], second1_q};
+    value_top_q   <= {value_top_q[ValueLatency-3:0], top1_q};
     if (value_valid_q[ValueLatency-2]) before_q <= value_i;
     segment_valid_q <= value_valid_q[ValueLatency-2] & ~value_first_q[ValueLatency-2];
     first_q         <= before_q;
+    lead_q          <= value_second_q[ValueLatency-2];
+    top_q           <= value_top_q[ValueLatency-2];
     for (int unsigned i = 0; i < 4; i++) slope_q[i] <= SlopeW'(signed'(value_i[i])) - SlopeW'(signed'(before_q[i]));
     if (!rst_ni) begin
       value_valid_q   <= '0;
@@ -200,17 +220,24 @@ module vista_rectify_rows #(
 
   logic segments_ready;
 
+  // Segments that will come, and those in the buffer. Counted anew in each clock, so no error of theirs lasts.
+  always_comb begin
+    under_way = AheadW'(lower1_q && !first1_q) + AheadW'(segment_valid_q) + AheadW'(segment_valid_o) +
+        AheadW'(!segments_ready);
+    for (int unsigned i = 0; i < ValueLatency - 1; i++) under_way += AheadW'(value_valid_q[i] && !value_first_q[i]);
+  end
+
   vista_skid #(
-    .Width(4 * (ValueW + SlopeW))
+    .Width(2 + 4 * (ValueW + SlopeW))
   ) u_segments (
     .clk_i,
     .rst_ni,
     .valid_i (segment_valid_q),
     .ready_o (segments_ready),
-    .data_i  ({first_q, slope_q}),
+    .data_i  ({lead_q, top_q, first_q, slope_q}),
     .valid_o (segment_valid_o),
     .ready_i (segment_ready_i),
-    .data_o  ({segment_value_o, segment_slope_o})
+    .data_o  ({segment_first_o, segment_top_o, segment_value_o, segment_slope_o})
   );
 
 `ifdef VISTA_ASSERT

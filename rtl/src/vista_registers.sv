@@ -58,6 +58,7 @@ module vista_registers #(
   output logic [RowW-1:0]             map_height_o,
   input  logic                        map_ready_i,
 
+  input  logic                      lost_i,       // what is behind cannot go on, and is reset
   input  vista_stereo_pkg::events_t events_i,
   input  logic                      busy_i,       // a pixel of a frame that is to be taken waits
   input  logic                      stall_in_i,   // a pixel is offered and not taken
@@ -137,7 +138,7 @@ module vista_registers #(
 
   always_ff @(posedge clk_i) begin
     rst_nq <= rst_ni;
-    rst_no <= rst_ni & ~from_csr.CONTROL.soft_reset.value;
+    rst_no <= rst_ni & ~from_csr.CONTROL.soft_reset.value & ~(lost_i & rst_no);
   end
 
   // A size beyond the counters is kept out of range rather than wrapped into it.
@@ -172,6 +173,21 @@ module vista_registers #(
     if (!rst_ni) enable_o <= 1'b0;
   end
 
+  // The set outlives frames, so a bit of it that is upset stays until it is committed anew.
+  logic set_upset;
+
+  if (Parity) begin : gen_parity
+    logic parity_q, commit_q;
+
+    always_ff @(posedge clk_i) begin
+      commit_q <= commit;
+      if (commit_q) parity_q <= ^{width_o, height_o, front_end_o, params_o};
+      set_upset <= ~commit & ~commit_q & (parity_q != ^{width_o, height_o, front_end_o, params_o});
+    end
+  end else begin : gen_no_parity
+    assign set_upset = 1'b0;
+  end
+
   // A map on its way in. A point is in its register a clock after it is written.
   logic point_q;
 
@@ -203,11 +219,12 @@ module vista_registers #(
   assign to_csr.STALLS_OUT.count.incr             = stall_out_q;
 
   events_t event_now;
-  logic    error;
+  logic error, upset;
 
   assign event_now = rst_no ? events_i : '0;
+  assign upset     = event_now.upset | (rst_no & (lost_i | set_upset));
   assign error     = event_now.early_eol | event_now.late_eol | event_now.early_sof | event_now.late_sof |
-      event_now.size | event_now.no_map | event_now.map_rows | event_now.map_size | event_now.upset;
+      event_now.size | event_now.no_map | event_now.map_rows | event_now.map_size | upset;
 
   assign to_csr.FRAMES_IN.count.incr       = event_now.frame_start;
   assign to_csr.FRAMES_OUT.count.incr      = event_now.frame_end;
@@ -219,7 +236,7 @@ module vista_registers #(
   assign to_csr.ERRORS.no_map.hwset        = event_now.no_map;
   assign to_csr.ERRORS.map_rows.hwset      = event_now.map_rows;
   assign to_csr.ERRORS.map_size.hwset      = event_now.map_size;
-  assign to_csr.ERRORS.upset.hwset         = event_now.upset;
+  assign to_csr.ERRORS.upset.hwset         = upset;
   assign to_csr.INTERRUPT.frame_done.hwset = event_now.frame_end;
   assign to_csr.INTERRUPT.error.hwset      = error;
 

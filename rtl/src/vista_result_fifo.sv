@@ -3,6 +3,8 @@
 //
 // The writer has no `ready`: `go_o` falls early enough that what is still on its way, at most `InFlight` words, fits.
 // The reader sees up to four words ahead in registers, so one word a clock leaves although the memory takes two clocks.
+// How many words there are is the difference of the places of writing and reading, and counted nowhere else: whatever
+// the places are, the buffer is in order again once it was read empty to there.
 //
 // Latency: 5 clocks from a write to `valid_o`.
 
@@ -24,7 +26,8 @@ module vista_result_fifo #(
 );
 
   localparam int unsigned Depth = 2 ** PtrW;
-  localparam int unsigned Ahead = 4;
+  localparam int unsigned AheadW = 2;
+  localparam int unsigned Ahead = 2 ** AheadW;
 
   logic [PtrW-1:0] write_ptr_q, read_ptr_q, level_q;
   logic read, read1_q, read2_q, take;
@@ -46,14 +49,16 @@ module vista_result_fifo #(
   );
 
   logic [Ahead-1:0][Width-1:0] ahead_q;
-  logic [1:0] ahead_write_q, ahead_read_q;
-  logic [2:0] ahead_level_q, ahead_claimed_q;
+  logic [AheadW:0] read1_ptr_q;  // the place of reading, as the words come out that were read there
+  logic [AheadW-1:0] read2_ptr_q;
+  logic [AheadW:0] out_ptr_q, out_ptr, claimed;
 
   // Read as soon as a place ahead is free; places are claimed when the read begins.
-  assign read    = (write_ptr_q != read_ptr_q) & (32'(ahead_claimed_q) != Ahead);
+  assign claimed = read_ptr_q[AheadW:0] - out_ptr_q;
+  assign read    = (write_ptr_q != read_ptr_q) & ~claimed[AheadW];
   assign take    = valid_o & ready_i;
-  assign valid_o = (ahead_level_q != '0);
-  assign data_o  = ahead_q[ahead_read_q];
+  assign out_ptr = out_ptr_q + (AheadW + 1)'(take);
+  assign data_o  = ahead_q[out_ptr_q[AheadW-1:0]];
 
   always_ff @(posedge clk_i) begin
     if (write_i) write_ptr_q <= write_ptr_q + 1'b1;
@@ -61,27 +66,25 @@ module vista_result_fifo #(
     level_q <= write_ptr_q - read_ptr_q;
     go_o    <= 32'(level_q) < Depth - InFlight;
 
-    read1_q <= read;
-    read2_q <= read1_q;
-    if (read2_q) begin
-      ahead_q[ahead_write_q] <= read_data;
-      ahead_write_q          <= ahead_write_q + 1'b1;
-    end
-    if (take) ahead_read_q <= ahead_read_q + 1'b1;
-    ahead_level_q   <= ahead_level_q + 3'(read2_q) - 3'(take);
-    ahead_claimed_q <= ahead_claimed_q + 3'(read) - 3'(take);
+    read1_q     <= read;
+    read2_q     <= read1_q;
+    read1_ptr_q <= read_ptr_q[AheadW:0];
+    read2_ptr_q <= read1_ptr_q[AheadW-1:0];
+    if (read2_q) ahead_q[read2_ptr_q] <= read_data;
+    out_ptr_q <= out_ptr;
+    valid_o   <= (read1_ptr_q != out_ptr);
 
     if (!rst_ni) begin
-      write_ptr_q     <= '0;
-      read_ptr_q      <= '0;
-      level_q         <= '0;
-      go_o            <= 1'b0;
-      read1_q         <= 1'b0;
-      read2_q         <= 1'b0;
-      ahead_write_q   <= '0;
-      ahead_read_q    <= '0;
-      ahead_level_q   <= '0;
-      ahead_claimed_q <= '0;
+      write_ptr_q <= '0;
+      read_ptr_q  <= '0;
+      level_q     <= '0;
+      go_o        <= 1'b0;
+      read1_q     <= 1'b0;
+      read2_q     <= 1'b0;
+      read1_ptr_q <= '0;
+      read2_ptr_q <= '0;
+      out_ptr_q   <= '0;
+      valid_o     <= 1'b0;
     end
   end
 

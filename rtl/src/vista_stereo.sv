@@ -18,7 +18,7 @@ module vista_stereo #(
   parameter bit          FrontEnd = 1'b0,
   parameter int unsigned NumRows = 64,         // of the line buffer of rectification: 16, 32, 64 or 128
   parameter int unsigned MaxPoints = 2048,     // control points of a camera; rounded up to a power of two
-  parameter bit          Parity = 1'b0         // of all memories; ERRORS.upset tells of a bit that is not as written
+  parameter bit          Parity = 1'b0         // of memories and of the set in force; see ERRORS.upset
 ) (
   input  logic clk_i,
   input  logic rst_ni,
@@ -76,7 +76,7 @@ module vista_stereo #(
 
   localparam int unsigned ColW = $clog2(MaxWidth);
 
-  logic rst_nq, hard_rst_n, enable, map_ready, busy;
+  logic rst_nq, hard_rst_n, enable, map_ready, busy, lost, stuck;
   logic [ColW:0] width, map_width;
   logic [HeightW-1:0] height, map_height;
   front_end_t         front_end;
@@ -126,6 +126,7 @@ module vista_stereo #(
     .map_height_o (map_height),
     .map_ready_i  (map_ready),
     .busy_i       (busy),
+    .lost_i       (lost | stuck),
     .events_i     (events),
     .stall_in_i   (s_axis_tvalid & ~s_axis_tready),
     .word_i       (m_axis_tvalid),
@@ -133,6 +134,24 @@ module vista_stereo #(
   );
 
   assign store_rst_no = rst_nq;
+
+  // A pixel waits, nothing moves, and neither the reader nor the buffer of the levels has anything to take: a bit was upset
+  // somewhere, and one part waits for what another will never send. The rows of the largest frame that may be filled or
+  // waited for without a word are fewer than the clocks that this takes.
+  localparam int unsigned StuckRows = BlockSize + 8 + (FrontEnd ? NumRows : 0);
+  localparam int unsigned StuckW = $clog2(StuckRows * MaxWidth) + 1;
+
+  logic [StuckW-1:0] still_q;
+  logic still;
+
+  assign still = s_axis_tvalid & ~s_axis_tready & ~m_axis_tvalid & ~store_axis_tvalid &
+      ~(fetch_axis_tvalid & fetch_axis_tready);
+  assign stuck = still_q[StuckW-1];
+
+  always_ff @(posedge clk_i) begin
+    still_q <= still ? still_q + 1'b1 : '0;
+    if (!rst_nq) still_q <= '0;
+  end
 
   // What comes to the core, and what it tells.
   logic pixel_valid, pixel_ready, pixel_sof, pixel_eol, pixel_enable, core_busy;
@@ -190,6 +209,7 @@ module vista_stereo #(
       .height_o          (pixel_height),
       .side_o            (pixel_params),
       .busy_o            (busy),
+      .lost_o            (lost),
       .events_o          (front_events)
     );
 
@@ -219,6 +239,7 @@ module vista_stereo #(
     assign pixel_height      = height;
     assign pixel_params      = params;
     assign busy              = core_busy;
+    assign lost              = 1'b0;
     assign map_ready         = 1'b0;
     assign events            = core_events;
     assign store_axis_tvalid = 1'b0;

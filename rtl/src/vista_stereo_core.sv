@@ -47,7 +47,7 @@ module vista_stereo_core #(
   output logic error_early_sof_o,
   output logic error_late_sof_o,
   output logic error_size_o,
-  output logic upset_o  // of a memory
+  output logic upset_o  // of a memory, or results and frames do not fit
 );
 
   import vista_stereo_pkg::*;
@@ -73,7 +73,7 @@ module vista_stereo_core #(
   logic [ColW-1:0] head_last_col;
   logic [RowW-1:0] head_last_row;
   params_t head_params;
-  logic results_go, writer_go, go_q;
+  logic results_go, go_q;
   video_slot_t next_slot;
   slot_t raw_slot;
   logic [ColW-1:0] next_col, frame_last_col, raw_col, store_col, begin_last_col;
@@ -113,7 +113,7 @@ module vista_stereo_core #(
   );
 
   always_ff @(posedge clk_i) begin
-    go_q <= results_go & writer_go;
+    go_q <= results_go;
     if (!rst_ni) go_q <= 1'b0;
   end
 
@@ -179,7 +179,7 @@ module vista_stereo_core #(
   logic [NumDisparities:0][ColumnW-1:0] column;
   logic [NumDisparities:0][CostW-1:0]   sum;
 
-  logic [6:0] upset;
+  logic [8:0] upset;
   assign upset_o = |upset;
 
   vista_prefilter #(
@@ -294,6 +294,8 @@ module vista_stereo_core #(
     .disparity_o        (disparity)
   );
 
+  logic unused_since_reset;
+
   vista_delay_ring #(
     .Width   (2 + RingW),
     .Latency (candidate_latency(NumDisparities)),
@@ -303,6 +305,7 @@ module vista_stereo_core #(
     .rst_ni,
     .data_i ({match, textured, match_index}),
     .data_o ({candidate_valid, candidate_textured, candidate_index}),
+    .since_reset_o (unused_since_reset),
     .upset_o(upset[6])
   );
 
@@ -356,26 +359,50 @@ module vista_stereo_core #(
     .upset_o               (upset[4])
   );
 
-  // Words.
+  // Words. The beginning of a frame waits in one queue with the results, behind those of the frame before it and before
+  // its own, so that results which are lost or too many end with their frame.
+  localparam int unsigned ResultW = DisparityW + SminW;
+  localparam int unsigned BeginW = ColW + RowW + 1;
+  localparam int unsigned QueuedW = (ResultW > BeginW) ? ResultW : BeginW;
+
   logic queued_valid, queued_ready, pixel_valid, pixel_ready, pixel_sof, pixel_eol, pixel_narrow, pixel_complete;
-  logic signed [DisparityW-1:0] queued_disparity, pixel_disparity;
-  logic [SminW-1:0] queued_smin, pixel_smin;
+  logic begins, since_reset, queued_begin;
+  logic [1:0] begins_late;  // twice, so that no single bit begins a frame
+  logic [BeginW-1:0] begin_late;
+  logic [QueuedW-1:0] queued;
+  logic signed [DisparityW-1:0] pixel_disparity;
+  logic [SminW-1:0] pixel_smin;
   logic word_valid, word_ready, word_sof, word_eol;
   logic [31:0] word;
 
+  vista_delay_ring #(
+    .Width   (2 + BeginW),
+    .Latency (begin_latency(NumDisparities)),
+    .Parity  (Parity)
+  ) u_begin (
+    .clk_i,
+    .rst_ni,
+    .data_i ({{2{begin_valid}}, begin_narrow, begin_last_row, begin_last_col}),
+    .data_o ({begins_late, begin_late}),
+    .since_reset_o (since_reset),
+    .upset_o(upset[7])
+  );
+
+  assign begins = (&begins_late) & since_reset;
+
   vista_result_fifo #(
-    .Width    (DisparityW + SminW),
+    .Width    (1 + QueuedW),
     .InFlight (results_in_flight(NumDisparities)),
     .Parity   (Parity)
   ) u_result_fifo (
     .clk_i,
     .rst_ni,
-    .write_i (result_valid),
-    .data_i  ({result_smin, result_disparity}),
+    .write_i (result_valid | begins),
+    .data_i  ({begins, begins ? QueuedW'(begin_late) : QueuedW'({result_smin, result_disparity})}),
     .go_o    (results_go),
     .valid_o (queued_valid),
     .ready_i (queued_ready),
-    .data_o  ({queued_smin, queued_disparity}),
+    .data_o  ({queued_begin, queued}),
     .upset_o (upset[5])
   );
 
@@ -386,15 +413,14 @@ module vista_stereo_core #(
   ) u_frame_writer (
     .clk_i,
     .rst_ni,
-    .begin_valid_i      (begin_valid),
-    .begin_last_col_i   (begin_last_col),
-    .begin_last_row_i   (begin_last_row),
-    .begin_narrow_i     (begin_narrow),
-    .go_o               (writer_go),
-    .result_valid_i     (queued_valid),
-    .result_ready_o     (queued_ready),
-    .result_disparity_i (queued_disparity),
-    .result_smin_i      (queued_smin),
+    .queued_valid_i     (queued_valid),
+    .queued_ready_o     (queued_ready),
+    .queued_begin_i     (queued_begin),
+    .begin_last_col_i   (queued[0+:ColW]),
+    .begin_last_row_i   (queued[ColW+:RowW]),
+    .begin_narrow_i     (queued[ColW+RowW]),
+    .result_disparity_i (queued[0+:DisparityW]),
+    .result_smin_i      (queued[DisparityW+:SminW]),
     .valid_o            (pixel_valid),
     .ready_i            (pixel_ready),
     .sof_o              (pixel_sof),
@@ -403,7 +429,8 @@ module vista_stereo_core #(
     .complete_o         (pixel_complete),
     .disparity_o        (pixel_disparity),
     .smin_o             (pixel_smin),
-    .frame_end_o
+    .frame_end_o,
+    .upset_o            (upset[8])
   );
 
   vista_word_packer u_word_packer (
@@ -436,5 +463,9 @@ module vista_stereo_core #(
     .ready_i (word_ready_i),
     .data_o  ({word_sof_o, word_eol_o, word_o})
   );
+
+`ifdef VISTA_ASSERT
+  `include "vista_stereo_core_properties.svh"
+`endif
 
 endmodule

@@ -56,7 +56,7 @@ package vista_stereo_pkg;
     logic no_map;
     logic map_rows;
     logic map_size;
-    logic upset;  // a memory gave a word of which a bit is not as it was written
+    logic upset;  // a bit is not as it was written, or results and frames do not fit
   } events_t;
 
   // A pixel of a frame, which stands beside the one below it (vista_framer).
@@ -132,6 +132,14 @@ package vista_stereo_pkg;
   function automatic int unsigned results_in_flight(int unsigned num_disparities);
     return PrefilterLatency + DelayLatency + ColumnLatency + WindowLatency + candidate_latency(num_disparities) +
         CheckLatency + (num_disparities - 1) + 7;
+  endfunction
+
+  // How long the beginning of a frame waits before it follows the results into their queue. It has to come later than the
+  // last result of the frame before it, which may take D clocks in vista_right_winner and whose slot came 5 clocks earlier
+  // at least (a frame of 4x2 pixels begins with its last row), and before the first of its own, which come r rows later.
+  function automatic int unsigned begin_latency(int unsigned num_disparities);
+    return PrefilterLatency + DelayLatency + ColumnLatency + WindowLatency + CheckLatency +
+        check_delay(num_disparities) + num_disparities - 4;
   endfunction
 
 endpackage

@@ -99,6 +99,7 @@ module front_end #(
     .height_o      (pixel_height),
     .side_o        (pixel_params),
     .busy_o        (),
+    .lost_o        (),
     .events_o      (events),
     .*
   );

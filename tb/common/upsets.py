@@ -8,18 +8,20 @@ last frame is right, the host's remedies are tried, the mildest first.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 from frames import random_pair
 from raw_frames import LEFT_BY_A_RESET, RawFrame, random_one, written
-from registers import CONTROL, ENABLE, SOFT_RESET
-from verilated import Config, Pace, Rtl
+from registers import CONTROL, ENABLE, ERRORS, SOFT_RESET
+from verilated import Cell, Config, Pace, Rtl
 
 FRAMES = 5
 HIT = 3  # frames that an upset can come in
-QUIET = 2000  # clocks without a transfer, after which nothing more is waited for
+QUIET = 5000  # clocks without a transfer, after which nothing more is waited for
+TALLEST = 4096  # rows of a frame, and more words than that of one frame are not waited for
 
 MASKED = "masked"
 FRAME = "its frame"  # wrong are the frame that comes in, or the one that is leaving, or both
@@ -50,8 +52,9 @@ class Flown:
     """What came of a scene."""
 
     right: list[bool]  # of each frame
-    told: bool  # words are missing or too many, or their framing is wrong, so the host knows
+    told: bool  # words are missing or too many, their framing is wrong, or ERRORS says so: the host knows
     begun: list[int]  # clocks from the start to the first pixel of each frame
+    ended: int  # and to the last word
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,7 @@ class Upset:
     outcome: str
     wrong_frames: int
     told: bool
+    late_frames: float  # the last word comes later by so many frames of undisturbed video
 
 
 def framed(words: npt.NDArray[np.uint32], flags: npt.NDArray[np.uint8]) -> Words:
@@ -87,8 +91,8 @@ def random_scene(rng: np.random.Generator, config: Config, restarts: bool) -> Sc
 
 
 def prepare(rtl: Rtl, frame: RawFrame) -> None:
-    """Makes the engine as it is at the start, whatever came before."""
-    rtl.reset()
+    """Makes the engine as it is at the start, its memories as well, which a reset leaves as they are."""
+    rtl.renew()
     rtl.write(CONTROL, ENABLE)
     written(rtl, frame.writes())
 
@@ -113,6 +117,7 @@ def fly(rtl: Rtl, scene: Scene, frames: slice = slice(None)) -> Flown:
         [flown.right[0] for flown in one_by_one],
         any(flown.told for flown in one_by_one),
         [clock for flown in one_by_one for clock in flown.begun],
+        one_by_one[-1].ended,
     )
 
 
@@ -121,12 +126,16 @@ def fly_on(rtl: Rtl, scene: Scene, frames: slice, start: int) -> Flown:
     pixels, words = scene.frames[frames], scene.words[frames]
     stream = np.concatenate([frame.stream for frame in pixels])
     expected = np.concatenate(words)
-    got = rtl.stream(stream, len(expected) + 100, *scene.paces, quiet=QUIET)
+    most = len(expected) + TALLEST * rtl.config.max_width
+    got = rtl.stream(stream, most, *scene.paces, quiet=QUIET)
     all_words = framed(got.words, got.flags)
     first, last = right_ones(all_words, words)
     right = [n < first or n >= len(words) - last for n in range(len(words))]
     told = len(all_words) != len(expected) or bool(((all_words ^ expected) >> np.uint64(32)).any())
-    return Flown(right, told, [int(clock) - start for clock in got.in_clock[:: pixels[0].left.size]])
+    told |= rtl.read(ERRORS) != 0
+    begun = [int(clock) - start for clock in got.in_clock[:: pixels[0].left.size]]
+    ended = int(got.out_clock[-1]) - start if len(got.out_clock) else 0
+    return Flown(right, told, begun, ended)
 
 
 def right_ones(got: Words, expected: list[Words]) -> tuple[int, int]:
@@ -154,12 +163,16 @@ def remedy(rtl: Rtl, scene: Scene) -> str:
     return RESET if fly(rtl, scene, slice(0, 2)).right[1] else NEVER
 
 
-def upset(rtl: Rtl, scene: Scene, clean: Flown, rng: np.random.Generator, memory: bool) -> Upset:
-    """Turns over a random bit of a register or of a memory. clean: how the scene flies without."""
+def random_cell(rtl: Rtl, rng: np.random.Generator, memory: bool) -> Cell:
+    """A register or a memory, each by its number of bits."""
     cells = rtl.cells()
     bits = [c.entries * (c.bits - len(c.wired)) * ((c.entries > 1) == memory) for c in cells]
     weights = np.array(bits, float)
-    cell = cells[int(rng.choice(len(cells), p=weights / weights.sum()))]
+    return cells[int(rng.choice(len(cells), p=weights / weights.sum()))]
+
+
+def upset(rtl: Rtl, scene: Scene, clean: Flown, rng: np.random.Generator, cell: Cell) -> Upset:
+    """Turns over a random bit of a register or of a memory. clean: how the scene flies without."""
     prepare(rtl, scene.frames[0])
     clock = int(rng.integers(clean.begun[0], clean.begun[HIT]))
     rtl.upset(
@@ -177,14 +190,20 @@ def upset(rtl: Rtl, scene: Scene, clean: Flown, rng: np.random.Generator, memory
     else:
         frame = int(np.searchsorted(clean.begun, clock, "right")) - 1  # that came in
         outcome = FRAME if wrong[-1] <= frame else NEXT if wrong[-1] == frame + 1 else LATER
-    return Upset(cell.name, memory, outcome, len(wrong), flown.told)
+    late = (flown.ended - clean.ended) / (clean.begun[1] - clean.begun[0])
+    return Upset(cell.name, cell.entries > 1, outcome, len(wrong), flown.told, round(late, 2))
 
 
-def upsets(rtl: Rtl, seed: int, count: int, restarts: bool) -> list[Upset]:
-    """What becomes of so many upsets in a random scene, half of them in registers."""
+def upsets(rtl: Rtl, seed: int, count: int, restarts: bool, of: Sequence[Cell] = ()) -> list[Upset]:
+    """What becomes of so many upsets in a random scene: in these cells in turn, or in any, half
+    of them in registers."""
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, rtl.config, restarts)
     prepare(rtl, scene.frames[0])
     clean = fly(rtl, scene)
     assert all(clean.right) and not clean.told, f"seed {seed}"
-    return [upset(rtl, scene, clean, rng, bool(number % 2)) for number in range(count)]
+    found = []
+    for number in range(count):
+        cell = of[number % len(of)] if of else random_cell(rtl, rng, bool(number % 2))
+        found.append(upset(rtl, scene, clean, rng, cell))
+    return found

@@ -16,7 +16,16 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from tools import BUILD, ROOT, VERILATOR_FLAGS, bench_sources, digest_of, made_once, verilator_environment
+from tools import (
+    BUILD,
+    ROOT,
+    VERILATOR_FLAGS,
+    bench_sources,
+    digest_of,
+    made_once,
+    sources,
+    verilator_environment,
+)
 
 HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
 # An upset breaks what the properties promise, and its bits are reached by Verilator's tables of names.
@@ -45,6 +54,7 @@ class Config:
     max_width: int = 1024
     rows: int = 0  # of the line buffer of rectification; 0: the core without front end
     points: int = 64  # control points of a camera, a power of two
+    parity: bool = False
     coverage: bool = False
     upsets: bool = False  # bits of its registers and memories can be turned over; nothing is asserted
     stand: Stand | None = field(default=None, repr=False)
@@ -52,7 +62,9 @@ class Config:
 
     @property
     def name(self) -> str:
-        kind = "_cov" * self.coverage + "_upsets" * self.upsets + "_waves" * self.waves
+        kind = (
+            "_parity" * self.parity + "_cov" * self.coverage + "_upsets" * self.upsets + "_waves" * self.waves
+        )
         kind += f"_{self.stand.name}" if self.stand else ""
         front_end = f"_r{self.rows}_p{self.points}" * bool(self.rows)
         return f"d{self.num_disparities}_b{self.block_size}_w{self.max_width}{front_end}{kind}"
@@ -96,7 +108,7 @@ PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 def build(config: Config) -> Path:
     """The shared library of a configuration, built anew when a source has changed."""
     folder = BUILD / "top" / config.name
-    files = bench_sources("vista_stereo.f")
+    files = (sources if config.parity else bench_sources)("vista_stereo.f")  # the latter have no parity
     others = [*(ROOT / "rtl" / "formal").glob("*.svh"), *HARNESS.parent.glob("*.[ch]*"), Path(__file__)]
     others += config.stand.made_of if config.stand else []
     digest = digest_of([*files, *sorted(others)], repr(config), repr(VERILATOR_FLAGS))
@@ -118,7 +130,7 @@ def _build(config: Config, files: list[Path], folder: Path) -> None:
         "--top-module", "vista_stereo", "--prefix", "Vvista_stereo", "--Mdir", str(folder), "-CFLAGS", flags,
         *([] if stand and not stand.has_parameters else [
             f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
-            f"-GMaxWidth={config.max_width}",
+            f"-GMaxWidth={config.max_width}", f"-GParity={int(config.parity)}",
         ]),
         *([
             "-GFrontEnd=1", f"-GNumRows={config.rows}", f"-GMaxPoints={config.points}",
@@ -251,7 +263,16 @@ class Rtl:
     def __init__(self, config: Config, seed: int = 1) -> None:
         self.config = config
         self._lib = _load(config)
-        self._handle = ctypes.c_void_p(self._lib.vista_rtl_create(ctypes.c_uint32(seed)))
+        self._seed = seed
+        self._handle = self._created()
+
+    def _created(self) -> ctypes.c_void_p:
+        return ctypes.c_void_p(self._lib.vista_rtl_create(ctypes.c_uint32(self._seed)))
+
+    def renew(self) -> None:
+        """Puts another engine in its place, with memories and registers as they are at power-up."""
+        self.close()
+        self._handle = self._created()
 
     def __enter__(self) -> Rtl:
         return self

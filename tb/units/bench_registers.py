@@ -64,7 +64,15 @@ async def writes_have_taken_effect_with_their_response(dut):
         "arprot",
         "rready",
     ]
-    idle = [*(f"s_axil_{name}" for name in bus), "map_ready_i", "events_i", "busy_i", "stall_in_i", "word_i"]
+    idle = [
+        *(f"s_axil_{name}" for name in bus),
+        "map_ready_i",
+        "lost_i",
+        "events_i",
+        "busy_i",
+        "stall_in_i",
+        "word_i",
+    ]
     await start(dut, s_axil_wstrb=15, word_ready_i=1, **dict.fromkeys(idle, 0))
     await ReadOnly()
     wanted = {name: int(getattr(dut, name).value) for name in IN_FORCE} | {"rst_no": 1}
