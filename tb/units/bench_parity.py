@@ -15,7 +15,7 @@ from registers import BUILD, CONTROL, ENABLE, ERROR, ERRORS, INTERRUPT, PARITY, 
 from verilated import Config
 
 CONFIG = Config(16, 5, 64, rows=16, points=64)
-NUM_MEMORIES = 23
+NUM_MEMORIES = 24
 MOMENTS = 40
 
 
