@@ -49,7 +49,7 @@ CAMERAS = [
     ((320, 240), 3, 230.0),
 ]
 PIXEL_MHZ, LINE_BLANKING_PX = 40, {640: 160, 320: 80}
-CAMERA_FRAMES = 12
+CAMERA_FRAMES = 6
 
 
 def config_of(size: tuple[int, int], levels: int, round_trip_ns: float) -> SystemConfig:
