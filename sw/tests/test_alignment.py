@@ -83,6 +83,7 @@ def test_noise_of_six_grey_levels_does_not_matter(pitch: float, roll: float) -> 
         assert_rows_match(frame, turn)
 
 
+@pytest.mark.same_c
 def test_a_second_turn_the_other_way_is_followed_too() -> None:
     pairs = turned.textured_flight(CAMERA, seeded(3))
     turns = [Turn()] * 10 + [degrees(0.4, 0.3)] * 15 + [degrees(-0.3, -0.2)] * 15
@@ -134,6 +135,7 @@ def test_a_turn_beyond_the_limits_raises_the_alarm(pitch: float, roll: float) ->
         assert frame.applied == Turn()  # what cannot be corrected is not corrected halfway
 
 
+@pytest.mark.same_c
 def test_the_alarm_ends_when_the_camera_is_back() -> None:
     pairs = turned.textured_flight(CAMERA, seeded(6))
     frames = list(

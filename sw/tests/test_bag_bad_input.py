@@ -68,6 +68,7 @@ DAMAGES: dict[str, Damage] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", DAMAGES)
 def test_damaged_bags(tmp_path: Path, run_vista: Vista, kind: str, name: str) -> None:
@@ -116,6 +117,7 @@ def test_without_the_extra(tmp_path: Path, run_vista: Vista, monkeypatch: pytest
     assert_refused(run_vista("run", bag, "--out", tmp_path / "out"), message)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("topic", [LEFT, "/stereo/right/camera_info", "/odometry"])
 def test_an_index_that_promises_too_much(tmp_path: Path, run_vista: Vista, topic: str) -> None:
     bag, file = write(tmp_path, "sqlite3")
@@ -268,6 +270,7 @@ def test_calibration_of_stills(tmp_path: Path) -> None:
         open_sequence(bag, Options(calibration=still))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_random_damage(tmp_path: Path, kind: str) -> None:
     """The reader succeeds or raises InputError in one line, never anything else."""

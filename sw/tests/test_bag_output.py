@@ -44,6 +44,7 @@ def messages(bag: Path, topic: str) -> list[Any]:
         return [decoded for *_, decoded in reader.iter_decoded_messages(topics=[topic])]
 
 
+@pytest.mark.slow
 def test_a_bag_is_a_source_that_gives_the_same_obstacles(
     tmp_path: Path, board: Path, run_vista: Vista
 ) -> None:

@@ -44,6 +44,8 @@ def sampled_distance(disc: dict, segment: dict) -> tuple[float, float]:
     return float(np.linalg.norm(offset - along[..., None] * segment["direction"], axis=-1).min()), gap
 
 
+@pytest.mark.slow
+@pytest.mark.same_c
 def test_distances_are_those_of_dense_samples() -> None:
     random = seeded(1)
     touched = 0

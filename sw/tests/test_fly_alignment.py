@@ -49,10 +49,10 @@ DRAWN = degrees(-0.5, 0.4)
 
 
 # Tests below fly rectified pairs and radial lenses as well.
-SAME_C = [pytest.param(lens, marks=pytest.mark.same_c) for lens in (None, "radial")]
+SAME_C = [pytest.param(lens, marks=pytest.mark.same_c) for lens in (None, *RAW) if lens != "fisheye"]
 
 
-@pytest.fixture(scope="module", params=[*SAME_C, *(lens for lens in RAW if lens != "radial")])
+@pytest.fixture(scope="module", params=[*SAME_C, "fisheye"])
 def drawn_flight(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Rectified pairs, and lenses of each kind."""
     folder = tmp_path_factory.mktemp("drawn") / "flight"

@@ -45,6 +45,7 @@ def random_geometry(random: np.random.Generator) -> Foveation:
     return foveation
 
 
+@pytest.mark.slow
 def test_the_runs_of_the_cells_partition_the_image() -> None:
     random = seeded(1)
     for _ in range(GEOMETRIES):
@@ -105,6 +106,7 @@ def expected_edges(f: Foveation) -> set[tuple[int, int]]:
     return {(min(a, b), max(a, b)) for a, b in joined if a >= 0 and b >= 0}
 
 
+@pytest.mark.slow
 def test_the_graph_joins_neighbours_around_the_hub() -> None:
     random = seeded(5)
     for _ in range(GEOMETRIES):

@@ -82,6 +82,7 @@ def assert_equals_scipy(case: FlowCase, cut: Cut, label: object) -> None:
     assert (cut.source_side[outside] == 255).all() and (cut.sink_side[outside] == 255).all(), label
 
 
+@pytest.mark.slow
 def test_random_graphs_equal_scipy() -> None:
     rng = seeded(2)
     for index in range(RANDOM_GRAPHS):

@@ -325,6 +325,7 @@ NEES_BANDS = {  # an honest covariance has 3; the bias that is allowed for is no
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ERRORS)
 def test_the_covariance_is_that_of_the_errors(kind: str) -> None:
     """Things stand, 40 to 20 m ahead. The NEES is 3 on average where the covariance is that of the errors; it

@@ -303,6 +303,7 @@ def test_more_evidence_is_never_less_probability() -> None:
         assert 0.0 < less.probability <= more.probability < 1.0
 
 
+@pytest.mark.slow
 def test_what_is_likely_occupied_is_neither_free_nor_unsaid() -> None:
     """Nothing is warned of up to where the path is free, whatever is seen and told."""
     random = seeded(5)

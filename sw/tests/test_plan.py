@@ -122,6 +122,7 @@ def test_it_flies_through_forests() -> None:
         assert flight.clearance_m > 0.6 * RADIUS_M
 
 
+@pytest.mark.same_c
 @pytest.mark.slow
 def test_it_flies_around_a_wall_that_is_wider_than_the_view() -> None:
     flight = flown([Wall(30.0, (-12.0, 10.0))])
@@ -210,6 +211,7 @@ def test_the_grid_keeps_what_was_seen_on_both_sides_of_the_worlds_origin() -> No
     assert len(kept[0]) > 100 and kept[0] <= kept[1]
 
 
+@pytest.mark.same_c
 @pytest.mark.slow
 def test_before_a_wall_without_end_it_keeps_off() -> None:
     flight = flown([Wall(25.0)], seconds=20.0)

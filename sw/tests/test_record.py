@@ -83,6 +83,7 @@ def test_a_rate_thins_out(run_vista: Vista, tmp_path: Path) -> None:
     assert all(later - before >= 0.24e9 for before, later in pairwise(times_ns))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interrupted_it_is_whole(tmp_path: Path, number: signal.Signals) -> None:
     camera = video(tmp_path / "camera.avi", 100)

@@ -47,6 +47,7 @@ def exercise(folder: Path) -> None:
         rectifier.rectify(sequence.read(files))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [cases.make_asl, cases.make_kitti, cases.make_pairs, cases.make_flown_pairs])
 def test_random_damage(tmp_path: Path, make) -> None:
     print(RERUN.format(SEED, make.__name__))

@@ -37,6 +37,7 @@ def random_plane(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     return unit(random.normal(size=3)), np.array([*random.uniform(-3, 3, 2), random.uniform(4, 40)])
 
 
+@pytest.mark.same_c
 def test_the_inclination_of_a_plane_is_that_of_its_normal() -> None:
     random = seeded(1)
     view = camera(320, 240, focal=random.uniform(100, 1000), baseline=random.uniform(0.05, 1.0))

@@ -41,7 +41,7 @@ def textured(random: np.random.Generator, sigma: float = 25.0) -> np.ndarray:
     return 120.0 + sigma * grain / grain.std()
 
 
-@pytest.mark.parametrize("behind_px", [NOTHING, 12.0])
+@pytest.mark.parametrize("behind_px", [pytest.param(NOTHING, marks=pytest.mark.same_c), 12.0])
 def test_a_wire_is_found_where_it_is(behind_px: float) -> None:
     """Any angle of 20 degrees and more, thin as half a pixel, before plain sky or a plain wall behind."""
     random = seeded(1)
@@ -55,7 +55,7 @@ def test_a_wire_is_found_where_it_is(behind_px: float) -> None:
     assert found[0].rows_on > 0.8 * found[0].rows_apart and found[0].rows_level == 0
 
 
-@pytest.mark.parametrize("behind_px", [NOTHING, 6.0])
+@pytest.mark.parametrize("behind_px", [pytest.param(NOTHING, marks=pytest.mark.same_c), 6.0])
 def test_a_wire_that_is_almost_level_is_found_where_it_is(behind_px: float) -> None:
     """Slopes from column to column, near the middle; the flatter, the less certain is its disparity."""
     random = seeded(19)
@@ -68,6 +68,7 @@ def test_a_wire_that_is_almost_level_is_found_where_it_is(behind_px: float) -> N
     assert line.lasting_sigma_px == pytest.approx(0.1 / np.tan(np.radians(abs(angle))), rel=0.05)
 
 
+@pytest.mark.same_c
 @pytest.mark.parametrize("angle_deg", [16.4, -16.8])
 def test_a_wire_that_is_steep_enough_for_both_searches_is_found_once(angle_deg: float) -> None:
     """Lines from 15.9 degrees on are found from row to row, and those up to 17.4 from column to column."""
@@ -106,7 +107,7 @@ def test_a_wire_that_ends_in_the_image_ends_there() -> None:
     assert abs(line.first_px - first) <= 16 and abs(line.last_px - (last - 1)) <= 16
 
 
-@pytest.mark.parametrize("contrast", [3.5, 63.0])
+@pytest.mark.parametrize("contrast", [3.5, pytest.param(63.0, marks=pytest.mark.same_c)])
 def test_any_contrast_in_range_finds_a_strong_wire(contrast: float) -> None:
     """63 grey levels are the largest step that the ridges tell; a wire of 150 shows in full at each."""
     random = seeded(16)
@@ -126,6 +127,7 @@ def test_a_strong_wire_is_found_at_any_lean() -> None:
         assert off_line(line, wire)[0] < 1.5
 
 
+@pytest.mark.same_c
 def test_a_few_right_words_before_texture_are_enough() -> None:
     """Most blocks that hold the wire see what is behind it."""
     random = seeded(3)
@@ -150,6 +152,7 @@ def test_the_engine_gives_words_enough() -> None:
     assert off_line(found[0], wire)[1] < 1.0
 
 
+@pytest.mark.same_c
 def test_what_continues_a_post_behind_it_is_not_of_the_post() -> None:
     """The edge of a row of windows above it: the image shows one line, the words tell where the post ends."""
     random = seeded(14)
@@ -188,6 +191,7 @@ def test_a_line_on_a_surface_is_no_thing() -> None:
     assert Thin().find(image, words_around(wire, surface, random)) == []
 
 
+@pytest.mark.same_c
 def test_words_of_what_is_behind_are_no_wire() -> None:
     """The image shows it, the words do not: nothing tells where it is."""
     random = seeded(6)
@@ -196,6 +200,7 @@ def test_words_of_what_is_behind_are_no_wire() -> None:
     assert Thin().find(image, words_around(wire, 12.0, random, share=0.0)) == []
 
 
+@pytest.mark.same_c
 def test_chance_matches_on_a_line_are_no_wire() -> None:
     random = seeded(7)
     wire = wire_at(random.uniform(31.0, 149.0), 15.0, 0.03)
@@ -206,6 +211,7 @@ def test_chance_matches_on_a_line_are_no_wire() -> None:
     assert Thin().find(image, words) == []
 
 
+@pytest.mark.same_c
 def test_texture_and_foliage_hold_hardly_any_wire() -> None:
     """Near things full of texture, with words that scatter as those of leaves do. By chance one such relief
     in a hundred has a straight ridge along an edge of the image (seeds 0 to 299: three). More than three of

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 
 import cv2
 import numpy as np
@@ -41,6 +42,7 @@ class Given:
     words: Words | None = None  # None: those that the engine in C gives
 
 
+@cache
 def texture(number: int) -> NDArray[np.float32]:
     noise = seeded(10 + number).normal(size=(1400, 2000)).astype(np.float32)
     coarse = cv2.GaussianBlur(noise, (0, 0), 3.0)
@@ -48,31 +50,30 @@ def texture(number: int) -> NDArray[np.float32]:
     return 110.0 + 30.0 * coarse / coarse.std() + 15.0 * fine / fine.std()
 
 
-TEXTURES = [texture(number) for number in (0, 1)]
-
-
 def seen(along_m: float, right_m: float, frame: int) -> NDArray[np.uint8]:
     """What a camera at this place sees, with the noise of a sensor."""
     v, u = np.mgrid[:HEIGHT, :WIDTH].astype(np.float32)
     image = np.empty((HEIGHT, WIDTH), np.float32)
-    for wall, (painted, wall_m) in enumerate(zip(TEXTURES, WALLS_M, strict=True)):
+    for wall, wall_m in enumerate(WALLS_M):
         scale = np.float32((wall_m - along_m) / FOCAL_PX)
         x_m, y_m = (u - (WIDTH - 1) / 2) * scale + np.float32(right_m), (v - (HEIGHT - 1) / 2) * scale
-        drawn = cv2.remap(painted, 1000 + TEXTURE_PX * x_m, 700 + TEXTURE_PX * y_m, cv2.INTER_LINEAR)
+        drawn = cv2.remap(texture(wall), 1000 + TEXTURE_PX * x_m, 700 + TEXTURE_PX * y_m, cv2.INTER_LINEAR)
         here = x_m < 0.0 if wall == 0 else x_m >= 0.0
         image[here] = drawn[here]
     noise = seeded(1000 + 2 * frame + (right_m > 0.0)).normal(0.0, 1.0, image.shape)
     return np.clip(np.rint(image + noise), 0, 255).astype(np.uint8)
 
 
-FLIGHT = [
-    Given(
-        (seen(STEP_M * k, 0.0, k), seen(STEP_M * k, BASELINE_M, k)),
-        k * PERIOD_NS,
-        Pose(np.eye(3), np.array([0.0, 0.0, STEP_M * k])),
-    )
-    for k in range(FRAMES)
-]
+@cache
+def flight() -> list[Given]:
+    return [
+        Given(
+            (seen(STEP_M * k, 0.0, k), seen(STEP_M * k, BASELINE_M, k)),
+            k * PERIOD_NS,
+            Pose(np.eye(3), np.array([0.0, 0.0, STEP_M * k])),
+        )
+        for k in range(FRAMES)
+    ]
 
 
 def fly(change: Callable[[int], Given], given_words: bool = False) -> Iterator[set[Reason]]:
@@ -98,7 +99,7 @@ def fly(change: Callable[[int], Given], given_words: bool = False) -> Iterator[s
 
 
 def faulty(fault: Callable[[int, Given], Given]) -> Callable[[int], Given]:
-    return lambda k: fault(k, FLIGHT[k]) if ONSET <= k < END else FLIGHT[k]
+    return lambda k: fault(k, flight()[k]) if ONSET <= k < END else flight()[k]
 
 
 def moved(image: NDArray[np.uint8], right_px: float, down_px: float) -> NDArray[np.uint8]:
@@ -141,13 +142,13 @@ def slow_clock(k: int, given: Given) -> Given:
 
 
 FAULTS: dict[str, tuple[Callable[[int, Given], Given], Reason]] = {
-    "both cameras frozen": (lambda _, g: replace(g, images=FLIGHT[ONSET - 1].images), Reason.IMAGES_FROZEN),
+    "both cameras frozen": (lambda _, g: replace(g, images=flight()[ONSET - 1].images), Reason.IMAGES_FROZEN),
     "left camera frozen": (
-        lambda _, g: replace(g, images=(FLIGHT[ONSET - 1].images[0], g.images[1])),
+        lambda _, g: replace(g, images=(flight()[ONSET - 1].images[0], g.images[1])),
         Reason.IMAGES_FROZEN,
     ),
-    "right camera frozen": (other_right(lambda *_: FLIGHT[ONSET - 1].images[1]), Reason.IMAGES_FROZEN),
-    "right camera late": (other_right(lambda k, _: FLIGHT[k - 3].images[1]), Reason.MOMENTS_DIFFER),
+    "right camera frozen": (other_right(lambda *_: flight()[ONSET - 1].images[1]), Reason.IMAGES_FROZEN),
+    "right camera late": (other_right(lambda k, _: flight()[k - 3].images[1]), Reason.MOMENTS_DIFFER),
     "rows off": (other_right(lambda _, images: moved(images[1], 0.0, 1.5)), Reason.ROWS_MISALIGNED),
     "turned in yaw to the left": (
         other_right(lambda _, images: moved(images[1], 3.0, 0.0)),
@@ -170,6 +171,7 @@ FAULTS: dict[str, tuple[Callable[[int, Given], Given], Reason]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_named_within_three_frames_and_no_longer_when_it_has_gone(name: str) -> None:
     fault, reason = FAULTS[name]
@@ -185,14 +187,14 @@ def test_a_fault_is_named_within_three_frames_and_no_longer_when_it_has_gone(nam
 
 
 def test_nothing_is_said_of_a_flight_without_fault() -> None:
-    assert list(fly(lambda k: FLIGHT[k])) == [set()] * FRAMES
+    assert list(fly(lambda k: flight()[k])) == [set()] * FRAMES
 
 
 def test_nothing_is_said_of_a_camera_that_stands_still() -> None:
     """Such a camera even shows the same image again and again where there is no noise."""
 
     def still(k: int) -> Given:
-        return replace(FLIGHT[0], t_ns=k * PERIOD_NS)
+        return replace(flight()[0], t_ns=k * PERIOD_NS)
 
     assert all(not reasons for reasons in fly(still))
 
@@ -219,7 +221,7 @@ def test_words_that_are_not_those_of_the_images_are_found_at_once(name: str) -> 
 
     def words(k: int, given: Given) -> Given:
         if name == "of the pair before":
-            return replace(given, words=list(engine.levels(*FLIGHT[k - 1].images)))
+            return replace(given, words=list(engine.levels(*flight()[k - 1].images)))
         return replace(given, words=WORDS[name](k, given, list(engine.levels(*given.images))))
 
     for k, reasons in enumerate(fly(faulty(words), given_words=True)):
@@ -227,11 +229,11 @@ def test_words_that_are_not_those_of_the_images_are_found_at_once(name: str) -> 
 
 
 def other_poses(change: Callable[[int], Pose | None], words: Words | None = None) -> Callable[[int], Given]:
-    return lambda k: replace(FLIGHT[k], pose=change(k), words=words)
+    return lambda k: replace(flight()[k], pose=change(k), words=words)
 
 
 def aside(k: int, right_m: float) -> Pose:
-    pose = FLIGHT[k].pose
+    pose = flight()[k].pose
     assert pose is not None
     return Pose(pose.rotation, np.add(pose.translation_m, [right_m, 0.0, 0.0]))
 
@@ -244,7 +246,7 @@ def test_a_pose_after_missing_ones_has_to_go_on_where_they_led(right_m: float, n
 
 def test_a_vehicle_that_stops_between_two_poses_is_not_believed() -> None:
     """A pose that stays the same counts as one of a vehicle that stands after a second."""
-    found = list(fly(other_poses(lambda k: FLIGHT[min(k, 2)].pose)))
+    found = list(fly(other_poses(lambda k: flight()[min(k, 2)].pose)))
     assert [Reason.POSE_JUMP in reasons for reasons in found] == [False] * (FRAMES - 1) + [True]
 
 
@@ -270,13 +272,13 @@ def test_an_attitude_that_jumps_is_doubted_where_no_image_shows_it(degrees: floa
 
 def test_after_a_frame_that_is_refused_there_is_little_to_be_relied_on() -> None:
     impossible = Pose(2.0 * np.eye(3), np.zeros(3))
-    found = list(fly(other_poses(lambda k: impossible if k == 2 else FLIGHT[k].pose)))
+    found = list(fly(other_poses(lambda k: impossible if k == 2 else flight()[k].pose)))
     assert [Reason.POSE_JUMP in reasons for reasons in found] == [False] * 2 + [True] * 9 + [False] * 3
 
 
 def test_times_that_go_back_are_named_until_enough_was_seen_again() -> None:
     def back(k: int) -> Given:
-        return replace(FLIGHT[k], t_ns=FLIGHT[k].t_ns - (10 * PERIOD_NS if k >= ONSET else 0))
+        return replace(flight()[k], t_ns=flight()[k].t_ns - (10 * PERIOD_NS if k >= ONSET else 0))
 
     found = [Reason.TIME_JUMP in reasons for reasons in fly(back)]
     assert found[:ONSET] == [False] * ONSET and all(found[ONSET : ONSET + 6]) and not found[-1]

@@ -111,6 +111,7 @@ def test_the_vehicle_takes_up_a_velocity_and_holds_its_height():
     assert vehicle.state.position_m[2] == pytest.approx(10.0, abs=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_the_vehicle_keeps_its_height_and_turns_where_it_is_told_to_go_to_and_fro(seed):
     random = np.random.default_rng(seed)
@@ -258,6 +259,7 @@ def test_what_goes_wrong_in_a_kilometre_is_told_by_speed():
 # ---- worlds ----
 
 
+@pytest.mark.slow
 def test_the_published_boxes_stand_where_they_were_published():
     world = boxes.build(1, 1, None)
     geometry = Geometry(world.scene)
@@ -269,6 +271,7 @@ def test_the_published_boxes_stand_where_they_were_published():
     assert world.speed_m_s == 5.0 and world.route_m[0][2] == 10.0
 
 
+@pytest.mark.slow
 def test_a_forest_keeps_to_its_rules():
     for number in range(3):
         world = forests.build_forest(number, 1, None)

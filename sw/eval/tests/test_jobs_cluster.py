@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Iterator
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 
 import job_examples
@@ -22,7 +23,8 @@ from vista_eval.jobs import HERE, Failure, Job, Place, exit_on_failure, jobs_of,
 
 pytestmark = pytest.mark.slow
 
-pytest.importorskip("distributed", reason="no Dask: make setup-jobs")
+if find_spec("distributed") is None:  # it takes a second to load, in each process that collects tests
+    pytest.skip("no Dask: make setup-jobs", allow_module_level=True)
 
 
 @pytest.fixture(scope="module")
