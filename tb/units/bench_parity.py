@@ -6,7 +6,7 @@ import cocotb
 import numpy as np
 from bench_stereo import start
 from cocotb.handle import HierarchyArrayObject, HierarchyObject
-from cocotb.triggers import ClockCycles, with_timeout
+from cocotb.triggers import ClockCycles, FallingEdge, with_timeout
 from cocotb_helpers import seeded
 from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 from frames import random_pair, random_parameters
@@ -27,19 +27,27 @@ class Bench:
         self.dut = dut
         self.registers = await start(dut)
 
-        def stream(kind, name):
+        def stream(kind, name, reset=dut.rst_ni):
             bus = AxiStreamBus.from_prefix(dut, name)
-            return kind(bus, dut.clk_i, dut.rst_ni, reset_active_level=False, byte_lanes=1)
+            return kind(bus, dut.clk_i, reset, reset_active_level=False, byte_lanes=1)
 
         self.source, self.sink = stream(AxiStreamSource, "s_axis"), stream(AxiStreamSink, "m_axis")
-        self.store, self.fetch = stream(AxiStreamSink, "store_axis"), stream(AxiStreamSource, "fetch_axis")
+        self.store = stream(AxiStreamSink, "store_axis", dut.store_rst_no)
+        self.fetch = stream(AxiStreamSource, "fetch_axis", dut.store_rst_no)
         cocotb.start_soon(self.buffer())
+        cocotb.start_soon(self.buffer_resets())
         await self.registers.write_dword(CONTROL, ENABLE)
 
     async def buffer(self):
         while True:
             line = await self.store.recv()
             await self.fetch.send(AxiStreamFrame(list(line.tdata), tuser=line.tuser))
+
+    async def buffer_resets(self):
+        while True:
+            await FallingEdge(self.dut.store_rst_no)
+            self.store.clear()
+            self.fetch.clear()
 
     async def send(self, frame: RawFrame):
         for address, data in frame.writes():
