@@ -83,8 +83,9 @@ class Space:
         ]
         self.frame = None
 
-    def take(self, look: Look, t_s: float, velocity=None, length_m: float = 100.0, **given) -> None:
-        """given: members of the frame's view; its levels, if none are given: the words."""
+    def take(self, look: Look, t_s: float, velocity=None, length_m: float = 100.0, lines=(), **given) -> None:
+        """lines: thin things that were found; given: members of the frame's view; its levels, if none are
+        given: the words."""
         horizontal = view(self._surfaces.horizontal, self.foveation.node_count, np.uint8)
         ground = np.zeros(self.foveation.node_count)
         np.add.at(ground, self.foveation.cell_of_pixel[look.ground], 1)
@@ -102,7 +103,9 @@ class Space:
             words=look.words,
             **({"levels": [look.words]} | given),
         )
-        lib.vista_space_map_add(self.handle, self.frame, self._surfaces)
+        items = ffi.new("vista_thin_line[]", [line[0] for line in lines])
+        found = ffi.new("vista_thin_lines *", [items, len(lines)])
+        lib.vista_space_map_add(self.handle, self.frame, self._surfaces, found)
 
     def watch(self, look: Look, frames: int = SPACE_FRAMES, **keywords) -> None:
         """The same view again and again, at 10 Hz."""

@@ -307,7 +307,8 @@ static vista_status find_terrain(vista_pipeline *p, passage *way) {
 
 static vista_status look_along_path(vista_pipeline *p, passage *way) {
   if (way->frame.motion.restarted) vista_space_map_reset(&p->space);
-  vista_space_map_add(&p->space, &way->frame, &p->surfaces);
+  const vista_thin_lines lines = vista_thin_found(p->thin);
+  vista_space_map_add(&p->space, &way->frame, &p->surfaces, &lines);
   vista_path_places_look(&way->frame, &p->space, &p->places);
   return VISTA_OK;
 }

@@ -138,7 +138,7 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   const bool is_seen_free = in_view && vista_path_place_is_free_now(&place);
   if (in_view) keep(space, point_m, is_seen_free, false);
   const vista_plan_seen *const seen = in_view ? NULL : free_near(space, point_m);
-  if (is_seen_free || (seen != NULL && !seen->stood)) return is_free;
+  if (is_seen_free || (seen != NULL && !seen->stood && place.shown.lines == 0)) return is_free;
   if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, occupied || !in_view, seen != NULL};
   if (occupied) return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = true};
   return (vista_plan_place){.ruling = in_view ? VISTA_PLAN_BY_UNKNOWN : VISTA_PLAN_BY_VIEW, .stood = seen != NULL};

@@ -65,7 +65,7 @@ static void tell(const vista_obstacle *obstacle, vista_path_places *places) {
 
 void vista_path_place_pieces(const vista_path_place *place, double pieces[VISTA_PIECE_COUNT]) {
   const vista_place_evidence *const shown = &place->shown;
-  const double votes = fmin(shown->votes, FRAMES_FULL) / FRAMES_FULL,
+  const double votes = fmin(fmax(shown->votes, shown->lines), FRAMES_FULL) / FRAMES_FULL,
                feet = fmin(shown->feet, FRAMES_FULL) / FRAMES_FULL;
   pieces[VISTA_PIECE_THING] = place->thing;
   pieces[VISTA_PIECE_GROUND] = place->ground;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "common/frame.h"
 #include "common/numbers.h"
@@ -33,7 +34,7 @@ vista_status vista_space_map_layout(vista_space_map *map, vista_arena *arena, co
   return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
-void vista_space_map_reset(vista_space_map *map) { map->count = map->newest = 0; }
+void vista_space_map_reset(vista_space_map *map) { map->count = map->newest = map->lines.count = 0; }
 
 const vista_evidence *vista_space_map_frame(const vista_space_map *map, int32_t age) {
   return &map->frames[(map->newest + VISTA_SPACE_FRAMES - age) % VISTA_SPACE_FRAMES];
@@ -44,7 +45,8 @@ static bool follows_closely(const vista_space_map *map) {
   return vista_seconds_between(vista_space_map_frame(map, 1)->t_ns, vista_space_map_frame(map, 0)->t_ns) < SPACING_S;
 }
 
-void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, const vista_surfaces *surfaces) {
+void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, const vista_surfaces *surfaces,
+                         const vista_thin_lines *lines) {
   if (map->count == 0) {
     map->count = 1;
   } else if (!follows_closely(map)) {
@@ -52,6 +54,7 @@ void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, co
     map->count += map->count < VISTA_SPACE_FRAMES;
   }
   vista_evidence_take(frame, surfaces, &map->frames[map->newest]);
+  vista_kept_lines_add(&map->lines, frame, lines);
 }
 
 /* What was matched at a place: sums over its lines of sight, in pixels of the picture and 1/16 px. */
@@ -197,6 +200,30 @@ static void take_looks(vista_place_evidence *found, const vista_evidence *e, con
   found->beyond += (beyond - found->beyond) / found->frames;
 }
 
+/* Adds the thin things that pass through a place. deep_m: of it; 0: as deep as the map can tell. */
+static void take_lines(const vista_space_map *map, const double point_m[3], double radius_m, double deep_m,
+                       vista_place_evidence *found) {
+  if (map->lines.count == 0) return;
+  const vista_evidence *const newest = vista_space_map_frame(map, 0);
+  const vista_camera *const camera = &map->camera;
+  vista_kept_ball ball = {.radius_m = radius_m, .deep_m = deep_m};
+  memcpy(ball.point_m, point_m, sizeof ball.point_m);
+  memcpy(ball.camera_m, newest->pose.translation_m, sizeof ball.camera_m);
+  const double range_m = vista_distance(point_m, ball.camera_m);
+  if (!(deep_m > 0.0))
+    ball.deep_m = range_m * fmax(TOLERANCE_SHARE, TOLERANCE_PX * range_m / (camera->focal_px * camera->baseline_m));
+  double at_m[3], camera_m[3], at_px[3];
+  found->lines = vista_kept_lines_frames(&map->lines, &ball, at_m);
+  if (found->lines == 0 || found->disparity_px > 0.0) return;
+  vista_frame_to_camera(&newest->pose, at_m, camera_m);
+  if (!(camera_m[2] > camera->baseline_m)) return;
+  vista_frame_measure(camera, camera_m, at_px, NULL);
+  found->u_px = at_px[0];
+  found->v_px = at_px[1];
+  found->disparity_px = at_px[2];
+  found->age = 0;
+}
+
 static vista_place_evidence look(const vista_space_map *map, const double point_m[3], double radius_m, double deep_m) {
   vista_place_evidence found = {0};
   for (int32_t age = 0; age < map->count; ++age) {
@@ -205,6 +232,7 @@ static vista_place_evidence look(const vista_space_map *map, const double point_
     if (l.all >= IN_VIEW_MIN && l.all >= (deep_m > 0.0 ? BALL_VIEW_SHARE : IN_VIEW_SHARE) * l.asked)
       take_looks(&found, e, &l, age);
   }
+  take_lines(map, point_m, radius_m, deep_m, &found);
   return found;
 }
 
@@ -227,5 +255,6 @@ vista_place_evidence vista_space_map_look_upright(const vista_space_map *map, co
     else if (age == 0)
       return found;
   }
+  take_lines(map, line->middle_m, line->half_m, 0.0, &found);
   return found;
 }

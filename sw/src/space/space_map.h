@@ -16,6 +16,7 @@
 #include "perceive/cells/surface.h"
 #include "perceive/frame_view.h"
 #include "space/evidence.h"
+#include "space/kept_lines.h"
 #include "vista/status.h"
 
 #define VISTA_SPACE_FRAMES 6 /* that are kept */
@@ -24,6 +25,7 @@ typedef struct vista_space_map {
   vista_camera camera;
   int32_t count, newest;
   vista_evidence frames[VISTA_SPACE_FRAMES];
+  vista_kept_lines lines;
 } vista_space_map;
 
 /* What the frames that are kept show of a place. */
@@ -31,12 +33,13 @@ typedef struct vista_place_evidence {
   int32_t frames; /* in which the place is in view */
   int32_t votes;  /* of these, in which something is matched at it */
   int32_t feet;   /* of these, in which something without texture stands on ground that is matched there */
+  int32_t lines;  /* frames in which a thin thing was found that passes through it, and is kept (kept_lines.h) */
   double beyond;  /* share of the lines of sight that are known to go on beyond it, mean of the frames */
   double beyond_newest; /* that of the newest of these frames */
-  /* What is matched there in the newest frame that votes, or else in the newest that shows a foot. */
+  /* What is matched there in the newest frame that votes, or else in the newest that shows a foot, or the thin thing. */
   double u_px, v_px, disparity_px; /* mean; disparity_px 0: there is no such frame */
-  double spread_px;                /* standard deviation of the disparity */
-  int32_t age;                     /* of that frame: 0 is the newest */
+  double spread_px; /* standard deviation of the disparity */
+  int32_t age; /* of that frame: 0 is the newest */
 } vista_place_evidence;
 
 vista_status vista_space_map_layout(vista_space_map *map, vista_arena *arena, const vista_camera *camera);
@@ -44,8 +47,9 @@ vista_status vista_space_map_layout(vista_space_map *map, vista_arena *arena, co
 /* Forgets all frames. */
 void vista_space_map_reset(vista_space_map *map);
 
-/* Takes what a frame shows. */
-void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, const vista_surfaces *surfaces);
+/* Takes what a frame shows, and the thin things that were found in it. */
+void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, const vista_surfaces *surfaces,
+                         const vista_thin_lines *lines);
 
 /* What is known of the disc of this radius around a point of the world, as deep as the map can tell. */
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m);

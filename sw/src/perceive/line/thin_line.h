@@ -6,6 +6,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "perceive/scales.h"
+#include "vista/types.h"
+
 /* A straight line in the image. Its coordinate along itself is the row t = v of an upright line, and the column t = u of
  * a flat one; the other one is that of (u_px, v_px) + slope (t - its own), and the disparity is
  * disparity_px + disparity_slope (t - its own), for first_px <= t <= last_px. */
@@ -53,6 +56,22 @@ static inline double vista_thin_noise_px(const vista_thin_line *line, double t) 
 
 static inline double vista_thin_sigma_px(const vista_thin_line *line, double t) {
   return hypot(vista_thin_noise_px(line, t), line->lasting_sigma_px);
+}
+
+#define VISTA_THIN_SIGMA_MAX 0.1 /* share of the disparity: where a line is less certain, it says nothing */
+
+static inline bool vista_thin_is_certain(const vista_thin_line *line, double t) {
+  const double d = vista_thin_disparity_px(line, t);
+  return d >= VISTA_FARTHEST_PX && vista_thin_sigma_px(line, t) <= VISTA_THIN_SIGMA_MAX * d;
+}
+
+/* The point of the line at t, in the camera. */
+static inline void vista_thin_point(const vista_thin_line *line, const vista_camera *camera, double t,
+                                    double point_m[3]) {
+  const double per_px = camera->baseline_m / vista_thin_disparity_px(line, t);
+  point_m[0] = (vista_thin_u_px(line, t) - camera->center_u_px) * per_px;
+  point_m[1] = (vista_thin_v_px(line, t) - camera->center_v_px) * per_px;
+  point_m[2] = camera->focal_px * per_px;
 }
 
 #endif

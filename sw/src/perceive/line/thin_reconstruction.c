@@ -11,22 +11,9 @@
 #define REACH_RADII 2.0    /* of the collision volume */
 #define ACROSS_SIGMA_PX 0.7
 #define ALONG_SIGMA_RAD 0.01 /* by which the direction of flight wanders: where on the line it leads to */
-#define DEPTH_SIGMA_MAX 0.1 /* share of the disparity: where the line is less certain, it says nothing */
 #define HALF_WIDTH_MIN_PX 1.0
 #define BAND_OFF_PX 5.0    /* from the line to the middle of a band */
 #define BAND_SIGMA_PX 6.5  /* standard deviation of a band's pixels across the line: of whole blocks that hold it */
-
-static bool is_certain(const vista_thin_line *line, double t) {
-  const double d = vista_thin_disparity_px(line, t);
-  return d >= VISTA_FARTHEST_PX && vista_thin_sigma_px(line, t) <= DEPTH_SIGMA_MAX * d;
-}
-
-static void point_at(const vista_thin_line *line, const vista_camera *camera, double t, double point_m[3]) {
-  const double per_px = camera->baseline_m / vista_thin_disparity_px(line, t);
-  point_m[0] = (vista_thin_u_px(line, t) - camera->center_u_px) * per_px;
-  point_m[1] = (vista_thin_v_px(line, t) - camera->center_v_px) * per_px;
-  point_m[2] = camera->focal_px * per_px;
-}
 
 /* Unit vector along the line in the image, downward or level. */
 static void direction_of(const vista_thin_line *line, double *right, double *down) {
@@ -46,9 +33,9 @@ static approach approach_of(const vista_thin_line *line, const vista_camera *cam
                             const vista_collision_volume *volume) {
   approach a = {.distance_m = INFINITY};
   for (int32_t t = line->first_px; t <= line->last_px; ++t) {
-    if (!is_certain(line, t)) continue;
+    if (!vista_thin_is_certain(line, t)) continue;
     double point_m[3];
-    point_at(line, camera, t, point_m);
+    vista_thin_point(line, camera, t, point_m);
     const double along_m = vista_flight_path_along(path, point_m, NULL);
     const double distance_m = vista_flight_path_distance(path, point_m);
     const double radius_m = vista_flight_path_likely_radius_m(path, along_m, volume->radius_m, volume->path_sigmas);
@@ -67,9 +54,9 @@ static double pixels_around(const vista_thin_line *line, const vista_camera *cam
                             double radius_m) {
   double rows = 0.0;
   for (int32_t t = line->first_px; t <= line->last_px; ++t) {
-    if (!is_certain(line, t)) continue;
+    if (!vista_thin_is_certain(line, t)) continue;
     double offset_m[3];
-    point_at(line, camera, t, offset_m);
+    vista_thin_point(line, camera, t, offset_m);
     for (int i = 0; i < 3; ++i) offset_m[i] -= nearest->point_m[i];
     rows += vista_norm(offset_m) <= radius_m;
   }

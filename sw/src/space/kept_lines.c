@@ -1,0 +1,127 @@
+#include "space/kept_lines.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "common/frame.h"
+#include "common/numbers.h"
+
+#define KEPT_S 8.0
+#define MISSED_MOST 4 /* frames in a row that may miss a line that they should show */
+#define SAME_M 0.5 /* apart: pieces of one line */
+#define FOUND_SLOPE 0.2 /* of a line in the image, from which on it is found in most frames */
+#define POINTS 9 /* of a line that are looked at to tell whether it is in view, */
+#define IN_VIEW 3 /* and of these, in view, to blame a frame */
+
+/* Whether the frame would show the line if it were there. */
+static bool should_show(const vista_frame_view *frame, const vista_kept_line *line) {
+  const vista_camera *const camera = frame->camera;
+  double first_px[2] = {0}, last_px[2] = {0};
+  int in_view = 0;
+  for (int k = 0; k < POINTS; ++k) {
+    double point_m[3], camera_m[3], at_px[3];
+    for (int i = 0; i < 3; ++i) point_m[i] = line->from_m[i] + (double)k / (POINTS - 1) * line->along_m[i];
+    vista_frame_to_camera(&frame->motion.pose, point_m, camera_m);
+    if (!(camera_m[2] > camera->baseline_m)) continue;
+    vista_frame_measure(camera, camera_m, at_px, NULL);
+    if (at_px[2] > frame->matched.disparity_max_px) continue;
+    if (!vista_matched_holds(&frame->matched, camera, at_px[0], at_px[1], at_px[2])) continue;
+    memcpy(in_view++ == 0 ? first_px : last_px, at_px, sizeof first_px);
+  }
+  return in_view >= IN_VIEW && fabs(last_px[1] - first_px[1]) >= FOUND_SLOPE * fabs(last_px[0] - first_px[0]);
+}
+
+/* The piece of a line that is certain, in the world; false: none is. */
+static bool piece_of(const vista_frame_view *frame, const vista_thin_line *line, vista_kept_line *piece) {
+  int32_t first = line->first_px, last = line->last_px;
+  while (first <= last && !vista_thin_is_certain(line, first)) ++first;
+  while (first <= last && !vista_thin_is_certain(line, last)) --last;
+  if (first >= last) return false;
+  double camera_m[3], to_m[3];
+  piece->sigma_m = 0.0;
+  for (int end = 0; end < 2; ++end) {
+    const double t = end == 0 ? first : last;
+    vista_thin_point(line, frame->camera, t, camera_m);
+    vista_frame_to_world(&frame->motion.pose, camera_m, end == 0 ? piece->from_m : to_m);
+    const double share = vista_thin_sigma_px(line, t) / vista_thin_disparity_px(line, t);
+    piece->sigma_m = fmax(piece->sigma_m, share * vista_norm(camera_m));
+  }
+  for (int i = 0; i < 3; ++i) piece->along_m[i] = to_m[i] - piece->from_m[i];
+  piece->t_ns = frame->t_ns;
+  piece->missed = 0;
+  return true;
+}
+
+/* The point of a line nearest to the middle of the ball, if it is in it. */
+static bool meets(const vista_kept_line *line, const vista_kept_ball *ball, double at_m[3]) {
+  double from[3], off[3], sight[3];
+  for (int i = 0; i < 3; ++i) {
+    from[i] = ball->point_m[i] - line->from_m[i];
+    sight[i] = ball->point_m[i] - ball->camera_m[i];
+  }
+  const double share = vista_dot(from, line->along_m) / fmax(vista_dot(line->along_m, line->along_m), 1e-9);
+  for (int i = 0; i < 3; ++i) {
+    at_m[i] = line->from_m[i] + fmin(fmax(share, 0.0), 1.0) * line->along_m[i];
+    off[i] = at_m[i] - ball->point_m[i];
+  }
+  const double along_m = vista_dot(off, sight) / fmax(vista_norm(sight), 1e-9);
+  const double across2_m2 = vista_dot(off, off) - vista_square(along_m);
+  return across2_m2 <= vista_square(ball->radius_m) && fabs(along_m) <= ball->deep_m + line->sigma_m;
+}
+
+static bool passes(const vista_kept_line *line, const vista_kept_line *other, const vista_frame_view *frame) {
+  vista_kept_ball ball = {.radius_m = SAME_M, .deep_m = SAME_M + other->sigma_m};
+  double at_m[3];
+  for (int i = 0; i < 3; ++i) ball.point_m[i] = other->from_m[i] + 0.5 * other->along_m[i];
+  memcpy(ball.camera_m, frame->motion.pose.translation_m, sizeof ball.camera_m);
+  return meets(line, &ball, at_m);
+}
+
+/* Lets go of pieces that are too old, or that frames should show and do not. found: pieces that this one shows. */
+static int32_t keep(vista_kept_line *items, int32_t count, const vista_frame_view *frame, const vista_kept_line *found,
+                    int32_t found_count) {
+  int32_t kept = 0;
+  for (int32_t i = 0; i < count; ++i) {
+    vista_kept_line *const line = &items[i];
+    bool shown = false;
+    for (int32_t k = 0; k < found_count && !shown; ++k)
+      shown = passes(line, &found[k], frame) || passes(&found[k], line, frame);
+    line->missed = shown ? 0 : line->missed + should_show(frame, line);
+    if (line->missed > MISSED_MOST || vista_seconds_between(line->t_ns, frame->t_ns) > KEPT_S) continue;
+    items[kept++] = *line;
+  }
+  return kept;
+}
+
+void vista_kept_lines_add(vista_kept_lines *kept, const vista_frame_view *frame, const vista_thin_lines *lines) {
+  if (!frame->motion.known) {
+    kept->count = 0;
+    return;
+  }
+  vista_kept_line found[VISTA_THIN_MAX];
+  int32_t count = 0;
+  for (int32_t i = 0; i < lines->count; ++i) count += piece_of(frame, &lines->items[i], &found[count]);
+  kept->count = keep(kept->items, kept->count, frame, found, count);
+  const int32_t over = kept->count + count - VISTA_LINES_KEPT;
+  if (over > 0) {
+    kept->count -= over;
+    memmove(kept->items, kept->items + over, (size_t)kept->count * sizeof kept->items[0]);
+  }
+  memcpy(kept->items + kept->count, found, (size_t)count * sizeof found[0]);
+  kept->count += count;
+}
+
+int32_t vista_kept_lines_frames(const vista_kept_lines *kept, const vista_kept_ball *ball, double at_m[3]) {
+  int32_t frames = 0;
+  int64_t t_ns = 0;
+  for (int32_t i = 0; i < kept->count; ++i) {
+    const vista_kept_line *const line = &kept->items[i];
+    double met_m[3];
+    if (!meets(line, ball, met_m)) continue;
+    frames += frames == 0 || line->t_ns != t_ns;
+    t_ns = line->t_ns;
+    memcpy(at_m, met_m, sizeof met_m);
+  }
+  return frames;
+}
