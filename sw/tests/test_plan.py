@@ -313,3 +313,30 @@ def test_decisions_are_bounded_by_count() -> None:
         )
         assert decision.looks <= lib.VISTA_PLAN_LOOKS
         assert len(decision.options) <= lib.VISTA_PLAN_MOST_OPTIONS
+
+
+def test_a_multirotor_that_flies_leans_to_both_sides_and_keeps_its_way() -> None:
+    """So level wires cross the rows of its images; a vehicle that stands does not sway."""
+    flight = Flight([], goal_of((0.0, 0.0, 400.0), 5.0, (0.0, 0.0, 0.0)), velocity=(0.0, 0.0, 5.0))
+    for _ in range(10):
+        flight.step()
+    aside = []
+    for _ in range(28):
+        flight.step()
+        aside.append((flight.position_m[0], flight.acceleration[0]))
+    off_m, leans_m_s2 = np.array(aside).T
+    assert np.ptp(off_m) < 0.5 * RADIUS_M
+    assert leans_m_s2.max() > 1.3
+    assert leans_m_s2.min() < -1.3
+    still = Planner().decide(seen_world(), state_of(), goal_of((0.0, 0.0, 0.1), passed=False))
+    assert not still.points["acceleration_m_s2"].any()
+
+
+def test_before_what_it_cannot_avoid_it_brakes() -> None:
+    """It does not fly on as it was committed to, if that is not free for longer."""
+    planner, goal = Planner(), goal_of()
+    told = planner.decide(seen_world(), state_of(velocity=(0.0, 0.0, 5.0)), goal).at(0.1)
+    near = seen_world([Wall(3.0)])
+    decision = planner.decide(near, state_of(told.position_m, told.velocity_m_s, 1.1), goal)
+    assert decision.action == "helpless"
+    assert decision.at(0.4).velocity_m_s[2] < 4.5  # what was committed to begins to stop only then

@@ -176,16 +176,19 @@ static bool fly_on(const work *w) {
 
 static const vista_plan_option stop = {.primitive = VISTA_PLAN_STOP};
 
-/* The manoeuvre that is free for longest, if that is longer than so long; -1: none. */
-static int32_t free_longest(work *w, double best_s) {
-  int32_t best = -1;
-  for (int32_t k = 0; k < w->decision->option_count && k < HELPLESS_MOST; ++k) {
+/* The manoeuvre that is free for longest: the stop, or one that is free for longer. *for_s: for so long. */
+static int32_t free_longest(work *w, double *for_s) {
+  const int32_t last = w->decision->option_count - 1; /* the stop */
+  int32_t best = last;
+  *for_s = -1.0;
+  for (int32_t i = 0; i <= last && i <= HELPLESS_MOST; ++i) {
+    const int32_t k = i == 0 ? last : i - 1;
     vista_plan_option found = w->decision->options[k];
     if (!fly(w, &found, circle_side(w, &found))) continue;
     (void)vista_plan_check(&w->space, w->decision, false, &found);
-    if (!(found.after_s > best_s)) continue;
+    if (!(found.after_s > *for_s)) continue;
     best = k;
-    best_s = found.after_s;
+    *for_s = found.after_s;
   }
   return best;
 }
@@ -294,7 +297,10 @@ static void escape(work *w) {
     turn_away(w, found.after_s);
     return;
   }
-  d->chosen = free_longest(w, found.after_s);
+  /* Where the stop is free for as long as what was committed to, it is the better end: the vehicle is slower there. */
+  double longest_s;
+  const int32_t longest = free_longest(w, &longest_s);
+  d->chosen = longest_s >= found.after_s ? longest : -1;
   if (d->chosen < 0)
     end_plan(w);
   else

@@ -11,6 +11,10 @@
 #define JERK_M_S3 10.0 /* PX4 keeps to 8 unless it is told otherwise */
 #define UPRIGHT_SHARE 0.6 /* of the acceleration, that is there for climbs and descents */
 #define STILL_M_S 0.1
+#define SWAY_S 1.4 /* period of the sway */
+#define SWAY_TURNS_NS INT64_C(1400000000000) /* a whole number of them */
+#define SWAY_M_S2 2.0 /* largest acceleration to a side: it leans by 12 degrees, and moves by 0.1 m */
+#define SWAY_FROM_M_S 1.0 /* it sways above this speed, in full from twice as much */
 #define YAW_RAD_S 0.8 /* PX4 turns by 45 degrees a second unless it is told otherwise */
 #define WING_STEP_S 0.25
 #define WING_COMMIT_S 0.75 /* to roll takes longer than to lean */
@@ -62,6 +66,21 @@ static void lead(const vista_plan_params *params, const double up[3], const doub
   }
 }
 
+/* Adds the sway of a time to a point of a trajectory (sign 1), or takes it off (-1). It dies out with the speed. */
+static void sway(const double up[3], int64_t t_ns, double after_s, double sign, vista_plan_setpoint *now) {
+  double level[3], left[3];
+  const double speed_m_s = vista_norm(now->velocity_m_s), rate = TURN_RAD / SWAY_S;
+  if (!(speed_m_s > SWAY_FROM_M_S) || !vista_plan_level(up, now->velocity_m_s, level)) return;
+  vista_cross(up, level, left);
+  const double most_m_s2 = sign * SWAY_M_S2 * fmin(speed_m_s / SWAY_FROM_M_S - 1.0, 1.0);
+  const double phase = rate * (fmod(1e-9 * (double)(t_ns % SWAY_TURNS_NS), SWAY_S) + after_s);
+  for (int i = 0; i < 3; ++i) {
+    now->position_m[i] -= most_m_s2 / vista_square(rate) * sin(phase) * left[i];
+    now->velocity_m_s[i] -= most_m_s2 / rate * cos(phase) * left[i];
+    now->acceleration_m_s2[i] += most_m_s2 * sin(phase) * left[i];
+  }
+}
+
 /* Turns the heading towards another one, by a part of the step's tangent: no angle is ever needed. */
 static void yaw(const double up[3], const double towards[3], double dt_s, vista_plan_setpoint *now) {
   double left[3];
@@ -91,6 +110,7 @@ bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_sta
   plan->escape_s = VISTA_PLAN_COMMIT_S;
   plan->circle_from = -1;
   plan->points[0] = now;
+  sway(state->up, state->t_ns, 0.0, -1.0, &now);
   for (plan->point_count = 1; plan->point_count < VISTA_PLAN_MOST_POINTS;) {
     const bool escapes = STEP_S * (plan->point_count - 1) >= VISTA_PLAN_COMMIT_S - 0.5 * STEP_S;
     const double *const wanted = escapes ? stop : velocity_m_s;
@@ -98,7 +118,9 @@ bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_sta
     const bool done = escapes && is_still(&now);
     if (done) memset(now.velocity_m_s, 0, sizeof now.velocity_m_s);
     if (done) memset(now.acceleration_m_s2, 0, sizeof now.acceleration_m_s2);
-    plan->points[plan->point_count++] = now;
+    plan->points[plan->point_count] = now;
+    sway(state->up, state->t_ns, STEP_S * plan->point_count, 1.0, &plan->points[plan->point_count]);
+    ++plan->point_count;
     if (done) return true;
   }
   return false;

@@ -2,7 +2,9 @@
  *
  * A multirotor is a point that is led to a wanted velocity: with a first order of VELOCITY_S, an acceleration that is
  * limited, and a limited jerk, which stands for the time that it takes to lean. So a new direction is an arc, a lower
- * speed slows down, and the wanted velocity of zero stops. After VISTA_PLAN_COMMIT_S each manoeuvre ends in that.
+ * speed slows down, and the wanted velocity of zero stops. After VISTA_PLAN_COMMIT_S each manoeuvre ends in that. As long as
+ * it flies it sways to both sides, by a tenth of a metre: so it leans, and a level wire, which has no disparity while it
+ * lies along the rows of the image, crosses them.
  *
  * A fixed wing flies coordinated turns at its speed, with a limited roll rate and bank. After VISTA_PLAN_COMMIT_S it
  * turns into a circle. */
