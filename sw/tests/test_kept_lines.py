@@ -58,7 +58,7 @@ def test_a_wire_that_lies_along_the_rows_is_where_it_was_found() -> None:
     assert shown.beyond == pytest.approx(1.0)
     assert shown.disparity_px == pytest.approx(FOCAL_PX * BASELINE_M / MIDDLE[2], rel=0.03)
     assert probability(shown) > 0.8
-    beside = space.look(MIDDLE + [0.0, 2.5, 0.0], RADIUS_M)
+    beside = space.look(MIDDLE + np.array([0.0, 2.5, 0.0]), RADIUS_M)
     assert beside.lines == 0
     assert probability(beside) < 0.1
 

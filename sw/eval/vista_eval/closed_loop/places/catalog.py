@@ -15,6 +15,7 @@ FAMILIES: dict[str, Family] = {
         Family("dodge_static", "DodgeDrone, boxes at rest", dodge.build_static),
         Family("dodge", "DodgeDrone, boxes at rest and in motion", dodge.build),
         Family("city", "street with gates, cranes, lamps and wires", city.build),
+        Family("wires", "street with three level wires in the way", city.build_wires),
         Family("clear", "boxes beside the route, nothing in the way", boxes.build_clear),
         Family(
             "wide_street", "wide street with slabs, towers, chimneys, cranes", wide.build_street, wide=True

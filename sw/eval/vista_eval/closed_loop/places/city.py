@@ -2,7 +2,7 @@
 
 Houses on both sides of a street of 16 to 24 m, flown at 5 to 12 m. Two to four of these stand in the way: a
 building that juts out, a gate over the street, the mast of a crane with its jib, lamp posts, wires from house
-to house. Seeds draw all of it."""
+to house. Seeds draw all of it. In a shorter street wires alone are in the way."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from vista_eval.worlds import rods, things
 from vista_eval.worlds.draws import draws, seed_of, some_seed
 from vista_eval.worlds.triangles import placed
 
-WAY_M = 70.0
+WAY_M, WIRES_WAY_M = 70.0, 36.0
 
 
 def build(number: int, seed: int, speed_m_s: float | None) -> World:
     own = seed_of(seed, "city", number)
     rng = draws(own, "city")
     height, half = float(rng.uniform(5.0, 12.0)), float(rng.uniform(8.0, 12.0))
-    standing = houses(half, rng)
+    standing = houses(half, WAY_M, rng)
     count = int(rng.integers(2, 5))
     kinds = rng.choice(len(OBSTACLES), count, replace=False)
     places = np.linspace(20.0, WAY_M - 10.0, count) + rng.uniform(-3, 3, count)
@@ -35,12 +35,23 @@ def build(number: int, seed: int, speed_m_s: float | None) -> World:
     return World(f"city_{number:03d}", "city", scene, (start, goal), speed_m_s or 5.0, seed=own)
 
 
-def houses(half_m: float, rng: np.random.Generator) -> list[Thing]:
+def build_wires(number: int, seed: int, speed_m_s: float | None) -> World:
+    own = seed_of(seed, "wires", number)
+    rng = draws(own, "wires")
+    height, half = float(rng.uniform(5.0, 12.0)), float(rng.uniform(8.0, 12.0))
+    standing = houses(half, WIRES_WAY_M, rng)
+    standing += wires("obstacle0", 22.0 + float(rng.uniform(-3.0, 3.0)), half, height, rng)
+    scene = parts.scene(own, "asphalt", standing, (-6.0, WIRES_WAY_M + 25.0), (-half - 2, half + 2))
+    start, goal = (0.0, 0.0, height), (WIRES_WAY_M, 0.0, height)
+    return World(f"wires_{number:03d}", "wires", scene, (start, goal), speed_m_s or 5.0, seed=own)
+
+
+def houses(half_m: float, way_m: float, rng: np.random.Generator) -> list[Thing]:
     """A row on each side, with gaps."""
     found: list[Thing] = []
     for side in (-1, 1):
         x = -8.0
-        while x < WAY_M + 20:
+        while x < way_m + 20:
             long, deep, high = float(rng.uniform(8, 18)), 10.0, float(rng.uniform(7, 22))
             at = x + long / 2, side * (half_m + deep / 2 + float(rng.uniform(0, 1.5)))
             found.append(parts.upright_box(f"house{len(found)}", at, (long, deep, high), 0.0, some_seed(rng)))
