@@ -50,6 +50,7 @@ def scene(
         np.moveaxis(rays(lens) @ turn.T, -1, 0)
     )  # of depth 1 in the camera
     depth_m, matched = np.full(z_ray.shape, np.inf), np.zeros(z_ray.shape, bool)
+    ground = np.zeros(z_ray.shape, bool)
     with np.errstate(divide="ignore", invalid="ignore"):
         for wall in walls:
             at_m = (wall.z_m - place[2]) / z_ray
