@@ -47,7 +47,11 @@ static bool piece_of(const vista_frame_view *frame, const vista_thin_line *line,
     const double share = vista_thin_sigma_px(line, t) / vista_thin_disparity_px(line, t);
     piece->sigma_m = fmax(piece->sigma_m, share * vista_norm(camera_m));
   }
-  for (int i = 0; i < 3; ++i) piece->along_m[i] = to_m[i] - piece->from_m[i];
+  for (int i = 0; i < 3; ++i) {
+    piece->along_m[i] = to_m[i] - piece->from_m[i];
+    piece->middle_m[i] = piece->from_m[i] + 0.5 * piece->along_m[i];
+  }
+  piece->half_m = 0.5 * vista_norm(piece->along_m);
   piece->t_ns = frame->t_ns;
   piece->missed = 0;
   return true;
@@ -55,7 +59,10 @@ static bool piece_of(const vista_frame_view *frame, const vista_thin_line *line,
 
 /* The point of a line nearest to the middle of the ball, if it is in it. */
 static bool meets(const vista_kept_line *line, const vista_kept_ball *ball, double at_m[3]) {
-  double from[3], off[3], sight[3];
+  double apart[3], from[3], off[3], sight[3];
+  for (int i = 0; i < 3; ++i) apart[i] = ball->point_m[i] - line->middle_m[i];
+  const double reach_m = line->half_m + ball->radius_m + ball->deep_m + line->sigma_m;
+  if (vista_dot(apart, apart) > vista_square(reach_m)) return false;
   for (int i = 0; i < 3; ++i) {
     from[i] = ball->point_m[i] - line->from_m[i];
     sight[i] = ball->point_m[i] - ball->camera_m[i];
@@ -73,7 +80,7 @@ static bool meets(const vista_kept_line *line, const vista_kept_ball *ball, doub
 static bool passes(const vista_kept_line *line, const vista_kept_line *other, const vista_frame_view *frame) {
   vista_kept_ball ball = {.radius_m = SAME_M, .deep_m = SAME_M + other->sigma_m};
   double at_m[3];
-  for (int i = 0; i < 3; ++i) ball.point_m[i] = other->from_m[i] + 0.5 * other->along_m[i];
+  memcpy(ball.point_m, other->middle_m, sizeof ball.point_m);
   memcpy(ball.camera_m, frame->motion.pose.translation_m, sizeof ball.camera_m);
   return meets(line, &ball, at_m);
 }

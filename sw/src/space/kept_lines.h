@@ -19,6 +19,7 @@
 typedef struct vista_kept_line {
   int64_t t_ns;
   double from_m[3], along_m[3]; /* world: one end, and from there to the other one */
+  double middle_m[3], half_m;   /* and the ball around it */
   double sigma_m;               /* of the distance from the camera that saw it, at the less certain end */
   int32_t missed;               /* frames that should have shown it, since the last that did */
 } vista_kept_line;
