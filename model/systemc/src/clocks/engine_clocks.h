@@ -15,7 +15,8 @@ namespace vista::clocks {
 class EngineClocks {
  public:
   // Out of reset, ready for the first pixel.
-  explicit EngineClocks(const Build& build) : framer_(build), matching_(build), results_(build), writer_(build) {
+  explicit EngineClocks(const Build& build)
+      : framer_(build), matching_(build), begins_(build), results_(build), writer_(build) {
     constexpr int kResetClocks = 16;  // until the pauses of reset have passed
     for (int i = 0; i < kResetClocks; ++i) edge(false, false);
   }
@@ -31,12 +32,14 @@ class EngineClocks {
   void edge(bool pixel_valid, bool word_ready) {
     const Framer::Clock framer = framer_.evaluate(pixels_.valid(), go_);
     const bool writer_ready = words_.ready();
-    const bool result = results_.valid();
+    const bool waits = results_.valid();
+    const Queued waiting = results_.front();
 
-    go_ = results_.go() && writer_.go();
+    go_ = results_.go();
     words_.edge(writer_.valid(), word_ready);
-    results_.edge(matching_.result(), writer_.takes_result(writer_ready));
-    writer_.edge(begin_, begin_size_, result, writer_ready);
+    results_.edge(matching_.result(), begins_.out(), writer_.takes(waiting.begin, writer_ready));
+    writer_.edge(waits, waiting, writer_ready);
+    begins_.edge(begin_, begin_size_);
     matching_.edge(slot_);
     pixels_.edge(pixel_valid, framer.step);
     framer_.edge(framer);
@@ -48,13 +51,14 @@ class EngineClocks {
   // Whether no clock changes anything without a pixel: clocks may be left out.
   bool quiet() const {
     return go_ && !pixels_.valid() && !framer_.draining() && !slot_.valid && !begin_ && matching_.empty() &&
-           results_.empty() && writer_.waits() && !words_.valid();
+           begins_.empty() && results_.empty() && writer_.waits() && !words_.valid();
   }
 
  private:
   Skid pixels_, words_;
   Framer framer_;
   Matching matching_;
+  BeginDelay begins_;
   ResultFifo results_;
   FrameWriter writer_;
   bool go_ = false;

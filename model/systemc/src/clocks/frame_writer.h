@@ -1,10 +1,11 @@
-// rtl/src/vista_frame_positions.sv and vista_frame_writer.sv without their data: positions are counted ahead; the words
-// of the border leave by themselves, the others with a result.
+// rtl/src/vista_frame_positions.sv and vista_frame_writer.sv without their data: positions are counted ahead from the
+// beginning of a frame on; the words of the border leave by themselves, the others with a result.
 #ifndef VISTA_CLOCKS_FRAME_WRITER_H
 #define VISTA_CLOCKS_FRAME_WRITER_H
 
 #include "framer.h"
 #include "latency.h"
+#include "result_fifo.h"
 #include "skid.h"
 
 namespace vista::clocks {
@@ -14,24 +15,25 @@ class FramePositions {
   explicit FramePositions(const Build& build)
       : radius_(build.radius()), first_x_(build.num_disparities - 1 + build.radius()) {}
 
-  bool go() const { return go_; }
   bool valid() const { return valid_; }
+  bool first() const { return first_out_; }
   bool matched() const { return matched_out_; }
-  bool idle() const { return !valid_ && !busy_ && pending_ == 0; }
+  bool idle() const { return !valid_ && !busy_; }
 
-  void edge(bool begin, const Size& begin_size, bool ready) {
+  void edge(const Queued& waiting, bool ready) {
     const bool free = !valid_ || ready;
     const bool step = busy_ && free;
     const bool row_end = x_ == size_.width - 1;
     const bool frame_end = step && row_end && y_ == size_.height - 1;
-    const bool open = pending_ != 0 && (!busy_ || frame_end);
-    const Size opened = frames_[read_];
+    const bool open = waiting.begin && (!busy_ || frame_end);
 
     if (free) {
       valid_ = step;
+      first_out_ = first_;
       matched_out_ = matched_;
     }
     if (step) {
+      first_ = false;
       if (x_ == first_x_ - 1)
         matched_ = row_;
       else if (x_ == size_.width - 1 - radius_)
@@ -47,28 +49,18 @@ class FramePositions {
     }
     if (frame_end) busy_ = false;
     if (open) {
-      busy_ = true;
+      busy_ = first_ = true;
       x_ = y_ = 0;
       row_ = matched_ = false;
-      size_ = opened;
+      size_ = waiting.size;
       matchable_ = size_.width - 1 >= first_x_ + radius_ && size_.height - 1 >= 2 * radius_;
-      read_ = (read_ + 1) % kPendingFrames;
     }
-    go_ = pending_ < kPendingFrames - 1;
-    if (begin) {
-      frames_[write_] = begin_size;
-      write_ = (write_ + 1) % kPendingFrames;
-    }
-    pending_ += static_cast<int>(begin) - static_cast<int>(open);
   }
 
  private:
   int radius_, first_x_;
-  Size frames_[kPendingFrames];
-  int write_ = 0, read_ = 0, pending_ = 0;
-  bool go_ = false;
   // The frame that is leaving.
-  bool busy_ = false, valid_ = false, matched_out_ = false;
+  bool busy_ = false, valid_ = false, first_ = false, first_out_ = false, matched_out_ = false;
   bool matchable_ = false;  // there are matched pixels
   bool row_ = false, matched_ = false;  // the row has some, the pixel is one
   int x_ = 0, y_ = 0;
@@ -79,34 +71,40 @@ class FrameWriter {
  public:
   explicit FrameWriter(const Build& build) : positions_(build) {}
 
-  bool go() const { return positions_.go(); }
   bool valid() const { return valid_; }
-  bool takes_result(bool word_ready) const { return places_.valid() && matched_ && (!valid_ || word_ready); }
+  // Whether it takes a result, or the beginning of a frame, which waits until the frame's first word leaves.
+  bool takes(bool begin, bool word_ready) const {
+    return places_.valid() && (begin ? place_.first : place_.matched) && (!valid_ || word_ready);
+  }
   // Nothing to hand on until a result or a frame comes.
   bool waits() const {
-    const bool stands = places_.valid() ? matched_ && !places_.ready() && positions_.valid() : positions_.idle();
+    const bool stands = places_.valid() ? place_.matched && !places_.ready() && positions_.valid() : positions_.idle();
     return !valid_ && stands;
   }
 
-  void edge(bool begin, const Size& begin_size, bool result, bool word_ready) {
+  // waits: something does, `waiting` says what.
+  void edge(bool waits, const Queued& waiting, bool word_ready) {
     const bool free = !valid_ || word_ready;
-    const bool step = places_.valid() && free && (!matched_ || result);
+    const bool step = places_.valid() && free && (!place_.matched || waits);
     const bool places_ready = places_.ready();
+    const Place counted = {positions_.first(), positions_.matched()};
 
     // Words move as in vista_skid.
-    if (!places_.valid() || step) {
-      matched_ = places_ready ? positions_.matched() : spilled_matched_;
-    }
-    if (places_ready) spilled_matched_ = positions_.matched();
+    if (!places_.valid() || step) place_ = places_ready ? counted : spilled_;
+    if (places_ready) spilled_ = counted;
     places_.edge(positions_.valid(), step);
-    positions_.edge(begin, begin_size, places_ready);
+    positions_.edge(waiting, places_ready);
     if (free) valid_ = step;
   }
 
  private:
+  struct Place {
+    bool first = false, matched = false;
+  };
+
   FramePositions positions_;
   Skid places_;
-  bool matched_ = false, spilled_matched_ = false;  // the two positions that it holds
+  Place place_, spilled_;  // the two positions that it holds
   bool valid_ = false;
 };
 

@@ -29,7 +29,6 @@ constexpr int kGradientLatency = 3;
 static_assert(kVerticalLatency + 1 + kGradientLatency == kPrefilterLatency);
 
 constexpr int kFifoAhead = 4;  // words in registers behind the memory of the result FIFO
-constexpr int kPendingFrames = 4;  // that the frame writer remembers
 
 // Clocks from prefiltered pixels to their costs.
 constexpr int kCostLatency = kDelayLatency + kColumnLatency + kWindowLatency;
@@ -46,6 +45,11 @@ constexpr int check_delay(int num_disparities) {
 constexpr int results_in_flight(int num_disparities) {
   return kPrefilterLatency + kCostLatency + candidate_latency(num_disparities) + kCheckLatency + (num_disparities - 1) +
          kInFlightMargin;
+}
+
+// Clocks from the beginning of a frame to its place among the results.
+constexpr int begin_latency(int num_disparities) {
+  return kPrefilterLatency + kCostLatency + kCheckLatency + check_delay(num_disparities) + num_disparities - 4;
 }
 
 constexpr int result_fifo_depth(int num_disparities) { return 1 << ceil_log2(2 * results_in_flight(num_disparities)); }
