@@ -3,7 +3,7 @@
 
 BOARD_TOOLS := .venv/board.stamp $(RTL_TOOLS)
 # Those of rtl/vista_camera.f that the engine has not.
-CAMERA_SOURCES := $(filter-out %_pkg.sv %/vista_memory.sv,$(shell grep -v "^//" rtl/vista_camera.f))
+CAMERA_SOURCES := $(filter-out %_pkg.sv %/vista_memory.sv,$(shell grep -sv "^//" rtl/vista_camera.f))
 BOARD_SOURCES := $(wildcard rtl/board/*.py rtl/board/*.toml rtl/board/gateware/*.py)
 BOARD_WIRE := $(addprefix rtl/board/sim/,simulation.cpp ethernet.cpp sensors.cpp simulation.h ethernet.h sensors.h)
 comma := ,
