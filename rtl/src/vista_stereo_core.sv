@@ -377,7 +377,7 @@ module vista_stereo_core #(
 
   vista_delay_ring #(
     .Width   (2 + BeginW),
-    .Latency (begin_latency(NumDisparities)),
+    .Latency (begin_latency(NumDisparities) - 1),
     .Parity  (Parity)
   ) u_begin (
     .clk_i,
@@ -388,7 +388,17 @@ module vista_stereo_core #(
     .upset_o(upset[7])
   );
 
-  assign begins = (&begins_late) & since_reset;
+  // What a block RAM gives is late in the clock, and the queue's is written with it.
+  logic [1:0] begins_q;
+  logic [BeginW-1:0] begin_q;
+
+  always_ff @(posedge clk_i) begin
+    begins_q <= begins_late & {2{since_reset}};
+    begin_q  <= begin_late;
+    if (!rst_ni) begins_q <= '0;
+  end
+
+  assign begins = &begins_q;
 
   vista_result_fifo #(
     .Width    (1 + QueuedW),
@@ -398,7 +408,7 @@ module vista_stereo_core #(
     .clk_i,
     .rst_ni,
     .write_i (result_valid | begins),
-    .data_i  ({begins, begins ? QueuedW'(begin_late) : QueuedW'({result_smin, result_disparity})}),
+    .data_i  ({begins, begins ? QueuedW'(begin_q) : QueuedW'({result_smin, result_disparity})}),
     .go_o    (results_go),
     .valid_o (queued_valid),
     .ready_i (queued_ready),
