@@ -83,6 +83,24 @@ def test_frames_that_should_show_it_and_do_not_let_go_of_it() -> None:
     assert space.look(MIDDLE, RADIUS_M).lines == 0
 
 
+def test_frames_that_follow_closely_count_as_one_and_let_go_no_sooner() -> None:
+    space, leaning = Space(), scene(BEHIND, rotation=LEANING)
+    for k in range(8):
+        space.take(leaning, 0.04 * k, lines=[seen_line(LEANING)])
+    assert space.look(MIDDLE, RADIUS_M).lines == 4
+    for k in range(8, 19):
+        space.take(leaning, 0.04 * k)
+    assert space.look(MIDDLE, RADIUS_M).lines == 4
+    space.take(leaning, 0.04 * 19)
+    assert space.look(MIDDLE, RADIUS_M).lines == 0
+
+
+def test_after_a_gap_one_frame_lets_go_of_nothing() -> None:
+    space = watched()
+    space.take(scene(BEHIND, rotation=LEANING), 2.0)
+    assert space.look(MIDDLE, RADIUS_M).lines == 4
+
+
 def test_it_is_kept_for_some_seconds() -> None:
     space = watched()
     space.take(scene(BEHIND), 7.9)

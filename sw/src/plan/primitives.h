@@ -4,7 +4,7 @@
  * limited, and a limited jerk, which stands for the time that it takes to lean. So a new direction is an arc, a lower
  * speed slows down, and the wanted velocity of zero stops. After VISTA_PLAN_COMMIT_S each manoeuvre ends in that. As long as
  * it flies it sways to both sides, by a tenth of a metre: so it leans, and a level wire, which has no disparity while it
- * lies along the rows of the image, crosses them.
+ * lies along the rows of the image, crosses them. The sway's 2 m/s^2 and 9 m/s^3 come on top of the limits.
  *
  * A fixed wing flies coordinated turns at its speed, with a limited roll rate and bank. After VISTA_PLAN_COMMIT_S it
  * turns into a circle. */

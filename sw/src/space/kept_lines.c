@@ -8,7 +8,8 @@
 #include "common/numbers.h"
 
 #define KEPT_S 8.0
-#define MISSED_MOST 4 /* frames in a row that may miss a line that they should show */
+#define MISSED_S 0.45 /* that frames in a row may miss a line that they should show, */
+#define FRAME_S 0.1 /* and the most that one frame may count for: after a gap as well one frame is no proof */
 #define SAME_M 0.5 /* apart: pieces of one line */
 #define FOUND_SLOPE 0.2 /* of a line in the image, from which on it is found in most frames */
 #define POINTS 9 /* of a line that are looked at to tell whether it is in view, */
@@ -53,7 +54,7 @@ static bool piece_of(const vista_frame_view *frame, const vista_thin_line *line,
   }
   piece->half_m = 0.5 * vista_norm(piece->along_m);
   piece->t_ns = frame->t_ns;
-  piece->missed = 0;
+  piece->missed_s = 0.0;
   return true;
 }
 
@@ -86,16 +87,20 @@ static bool passes(const vista_kept_line *line, const vista_kept_line *other, co
 }
 
 /* Lets go of pieces that are too old, or that frames should show and do not. found: pieces that this one shows. */
-static int32_t keep(vista_kept_line *items, int32_t count, const vista_frame_view *frame, const vista_kept_line *found,
-                    int32_t found_count) {
+static int32_t keep(vista_kept_line *items, int32_t count, int64_t previous_t_ns, const vista_frame_view *frame,
+                    const vista_kept_line *found, int32_t found_count) {
+  const double frame_s = fmin(vista_seconds_between(previous_t_ns, frame->t_ns), FRAME_S);
   int32_t kept = 0;
   for (int32_t i = 0; i < count; ++i) {
     vista_kept_line *const line = &items[i];
     bool shown = false;
     for (int32_t k = 0; k < found_count && !shown; ++k)
       shown = passes(line, &found[k], frame) || passes(&found[k], line, frame);
-    line->missed = shown ? 0 : line->missed + should_show(frame, line);
-    if (line->missed > MISSED_MOST || vista_seconds_between(line->t_ns, frame->t_ns) > KEPT_S) continue;
+    if (shown)
+      line->missed_s = 0.0;
+    else if (should_show(frame, line))
+      line->missed_s += frame_s;
+    if (line->missed_s > MISSED_S || vista_seconds_between(line->t_ns, frame->t_ns) > KEPT_S) continue;
     items[kept++] = *line;
   }
   return kept;
@@ -109,7 +114,8 @@ void vista_kept_lines_add(vista_kept_lines *kept, const vista_frame_view *frame,
   vista_kept_line found[VISTA_THIN_MAX];
   int32_t count = 0;
   for (int32_t i = 0; i < lines->count; ++i) count += piece_of(frame, &lines->items[i], &found[count]);
-  kept->count = keep(kept->items, kept->count, frame, found, count);
+  kept->count = keep(kept->items, kept->count, kept->t_ns, frame, found, count);
+  kept->t_ns = frame->t_ns;
   const int32_t over = kept->count + count - VISTA_LINES_KEPT;
   if (over > 0) {
     kept->count -= over;
@@ -126,8 +132,10 @@ int32_t vista_kept_lines_frames(const vista_kept_lines *kept, const vista_kept_b
     const vista_kept_line *const line = &kept->items[i];
     double met_m[3];
     if (!meets(line, ball, met_m)) continue;
-    frames += frames == 0 || line->t_ns != t_ns;
-    t_ns = line->t_ns;
+    if (frames == 0 || vista_seconds_between(t_ns, line->t_ns) >= VISTA_SPACE_SPACING_S) {
+      ++frames;
+      t_ns = line->t_ns;
+    }
     memcpy(at_m, met_m, sizeof met_m);
   }
   return frames;

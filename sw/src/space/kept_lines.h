@@ -2,7 +2,7 @@
  *
  * A wire across the way is seen while the aircraft leans, so that the wire crosses the rows of the image, and is lost when
  * the aircraft levels: along a row it looks the same everywhere, and no disparity can be told (thin.h). It is still there.
- * So a piece is kept for KEPT_S, or until some frames in a row that should have shown it did not: those that have it in
+ * So a piece is kept for KEPT_S, or until for MISSED_S the frames that should have shown it did not: those that have it in
  * view, no nearer than the engine matches, at an angle at which lines are found.
  *
  * Memory is bounded: with all of it taken the oldest piece makes room. */
@@ -16,15 +16,19 @@
 
 #define VISTA_LINES_KEPT 256
 
+/* Frames that follow closer than this see the same again, from the same place: they count as one. */
+#define VISTA_SPACE_SPACING_S 0.08
+
 typedef struct vista_kept_line {
   int64_t t_ns;
   double from_m[3], along_m[3]; /* world: one end, and from there to the other one */
   double middle_m[3], half_m;   /* and the ball around it */
   double sigma_m;               /* of the distance from the camera that saw it, at the less certain end */
-  int32_t missed;               /* frames that should have shown it, since the last that did */
+  double missed_s;              /* of frames that should have shown it, since the last that did */
 } vista_kept_line;
 
 typedef struct vista_kept_lines {
+  int64_t t_ns; /* of the newest frame */
   int32_t count;
   vista_kept_line items[VISTA_LINES_KEPT]; /* oldest first */
 } vista_kept_lines;
@@ -40,7 +44,8 @@ typedef struct vista_kept_ball {
   double deep_m;   /* along it */
 } vista_kept_ball;
 
-/* The number of frames that saw a line which passes through the ball, give or take its sigma along the line of sight.
+/* The number of frames, VISTA_SPACE_SPACING_S or more apart, that saw a line which passes through the ball, give or take
+ * its sigma along the line of sight.
  * at_m: the point of the newest of these lines that is nearest to the middle, in the world. */
 int32_t vista_kept_lines_frames(const vista_kept_lines *kept, const vista_kept_ball *ball, double at_m[3]);
 

@@ -8,7 +8,6 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 
-#define SPACING_S 0.08
 #define SAMPLES 20       /* lines of sight across a disc, at most, */
 #define BALL_SAMPLES 12  /* and across a ball: many of them are asked for */
 #define UPRIGHT_MIN 5.0  /* lines of sight to an upright line, at least, */
@@ -42,7 +41,8 @@ const vista_evidence *vista_space_map_frame(const vista_space_map *map, int32_t 
 
 static bool follows_closely(const vista_space_map *map) {
   if (map->count < 2) return false;
-  return vista_seconds_between(vista_space_map_frame(map, 1)->t_ns, vista_space_map_frame(map, 0)->t_ns) < SPACING_S;
+  return vista_seconds_between(vista_space_map_frame(map, 1)->t_ns, vista_space_map_frame(map, 0)->t_ns) <
+         VISTA_SPACE_SPACING_S;
 }
 
 void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, const vista_surfaces *surfaces,

@@ -5,7 +5,7 @@
  * that of the image, an error of the poses is only what has come up since the frame that is looked through, and memory
  * and time are bounded (as in Florence et al., NanoMap, ICRA 2018).
  *
- * Frames that follow closer than SPACING_S replace one another, so that those that are kept see from different places.
+ * Frames that follow closer than VISTA_SPACE_SPACING_S replace one another, so that those that are kept see from different places.
  */
 #ifndef VISTA_SPACE_MAP_H
 #define VISTA_SPACE_MAP_H
