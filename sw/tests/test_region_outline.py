@@ -11,6 +11,7 @@ CAMERA = camera()
 SCALE = CAMERA.focal_px * CAMERA.baseline_m
 GROUND_M, RANGE_M, BLOCK_PX = 3.0, 15.0, 5
 WALL, PILLAR, TREES = 3, 4, 5
+DRAWS = 5  # of noise: one in a hundred hides so much of a wall that it stays unknown in that frame
 GREYS = {GROUND: 110, SKY: 230, WALL: 120, PILLAR: 60, TREES: 30}
 
 
@@ -59,6 +60,18 @@ def regions_of(
     stages = Stages(CAMERA, changes)
     regions = stages.run(np.clip(grey, 0, 255).astype(np.uint8), words)
     return stages, regions, stages.label[stages.foveation.cell_of_pixel]
+
+
+def verdicts_at(
+    owner: np.ndarray, disparity: np.ndarray, seed: int, where: np.ndarray
+) -> list[tuple[str, object]]:
+    """Verdict and region at these pixels, in some draws of the noise."""
+    found = []
+    for draw in range(DRAWS):
+        _, regions, labels = regions_of(owner, disparity, 100 * draw + seed)
+        region = region_at(regions, labels, where)
+        found.append((verdict(region), region))
+    return found
 
 
 def region_at(regions: list, labels: np.ndarray, where: np.ndarray):
@@ -111,12 +124,13 @@ def test_a_plain_wall_may_stand_at_an_angle(degrees: int) -> None:
     point = ray * (SCALE / surface)[..., None]
     where = (np.abs(ray[..., 0]) < 0.17) & (point[..., 1] < GROUND_M) & (point[..., 1] > -1.0)
     put_plain(owner, disparity, where, surface)
-    _, regions, labels = regions_of(owner, disparity, 8)
-    region = region_at(regions, labels, where)
-    assert verdict(region) == "ACCEPTED" and region.plain
-    error_px = surface_px(region, where) - surface[where]
-    # 8 % of the range; facing, it would be 20 and more
-    assert np.abs(error_px).max() < 0.08 * SCALE / RANGE_M
+    accepted = [region for name, region in verdicts_at(owner, disparity, 8, where) if name == "ACCEPTED"]
+    assert len(accepted) > DRAWS / 2
+    for region in accepted:
+        assert region.plain
+        error_px = surface_px(region, where) - surface[where]
+        # 8 % of the range; facing, it would be 20 and more
+        assert np.abs(error_px).max() < 0.08 * SCALE / RANGE_M
 
 
 def test_the_foot_is_taken_to_be_half_a_block_below_where_words_of_the_ground_end() -> None:
@@ -155,8 +169,8 @@ def test_a_ragged_foot_needs_both_upright_edges(right_m: float, expected: str) -
     put_plain(owner, disparity, where)
     ragged = box((-2.0, right_m), (-1.0, 0.0)) & (np.arange(owner.shape[1]) % 60 < 27)
     owner[ragged], disparity[ragged] = WALL, -1.0
-    _, regions, labels = regions_of(owner, disparity, 13)
-    assert verdict(region_at(regions, labels, where)) == expected
+    verdicts = [name for name, _ in verdicts_at(owner, disparity, 13, where)]
+    assert verdicts.count(expected) > DRAWS / 2
 
 
 @pytest.mark.parametrize(
