@@ -21,6 +21,7 @@ from cocotb_tools.runner import get_runner
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / p) for p in ("tb/common", "tb/units", "model", "build/python")]
+from behind_writes import LAST, behind_the_first_pixel, right_behind  # noqa: E402
 from broken_video import FAULTS, fault_size  # noqa: E402
 from faults import expected_after, react  # noqa: E402
 from frames import Frame, beats, expected_flags, random_frame, random_pair, set_up  # noqa: E402
@@ -30,7 +31,7 @@ from verilated import PACES, Config, Pace, Rtl, Stand  # noqa: E402
 from vista_eval.cache import digest_of  # noqa: E402
 from vista_eval.jobs import Job, add_place, chosen_place, exit_on_failure, run  # noqa: E402
 
-MUTANTS = (BUILD / "mutate" / "vista_stereo_core" / "mutants.v", ROOT / "tb" / "common" / "mutants_core.sv")
+MUTANTS = tuple(BUILD / "mutate" / "vista_stereo_core" / name for name in ("mutants.v", "core.sv"))
 
 
 def with_mutants(_: Config) -> list[Path]:
@@ -78,8 +79,10 @@ TARGETS = {
 }
 LIMIT = 0.9
 SURVIVES = "SURVIVES"
-SELECT_BITS = 10  # of mutsel, in tb/common/mutants_core.sv too
-FRAMES = 150  # for a mutant to survive
+SELECT_BITS = 10  # of mutsel
+FRAMES = 300  # for a mutant to survive,
+TALL_EACH, TALLEST = 30, 600  # one of so many, with up to so many rows,
+WRITES = 30  # and frames right behind writes
 
 
 def make_mutants(target: Target, count: int, seed: int) -> list[str]:
@@ -110,8 +113,39 @@ run("bwmuxmap; opt_clean; write_verilog -noattr mutants.v")
     return [line for line in (folder / "mutations.txt").read_text().splitlines() if line]
 
 
+def write_core() -> None:
+    """Writes what stands in for the core: its ports, and inside the netlist, whose mutant a bench chooses."""
+    header = (ROOT / "rtl" / "src" / "vista_stereo_core.sv").read_text().partition("\n);\n")[0]
+    body = f"""
+);
+
+  logic [{SELECT_BITS - 1}:0] mutsel /*verilator public_flat_rw*/;
+
+  vista_stereo_core_mutants u_mutants (.*);
+
+endmodule
+"""
+    MUTANTS[1].write_text(header + body)
+
+
 def caught(rtl: Rtl) -> str | None:
     """What gave the mutant away."""
+    return caught_by_frames(rtl) or caught_by_writes(rtl)
+
+
+def caught_by_writes(rtl: Rtl) -> str | None:
+    """Looks at frames right behind writes; rtl: took whole frames, and has none inside."""
+    try:
+        for seed in range(WRITES):
+            rng = np.random.default_rng(seed)
+            behind_the_first_pixel(rtl, rng, seed)
+            right_behind(rtl, rng, LAST[seed % len(LAST)], seed)
+    except AssertionError:
+        return "writes"
+    return None
+
+
+def caught_by_frames(rtl: Rtl) -> str | None:
     rtl.write(CONTROL, 1)
     lost = True
     for seed in range(FRAMES):
@@ -119,8 +153,11 @@ def caught(rtl: Rtl) -> str | None:
         frame = random_frame(rng, CONFIG.num_disparities, CONFIG.block_size, CONFIG.max_width)
         stream = beats(frame.left, frame.right)
         paces = PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))]
-        faulty = seed % 3 == 2
-        if faulty:
+        if seed % TALL_EACH == 0:
+            height = int(rng.integers(100, TALLEST))
+            frame = Frame(*random_pair(rng, "shifted", height, WIDTH), frame.parameters)
+            stream = beats(frame.left, frame.right)
+        elif seed % 3 == 2:
             frame = Frame(*random_pair(rng, "shifted", HEIGHT, WIDTH), frame.parameters)
             fault = FAULTS[rng.integers(len(FAULTS))]
             stream = beats(frame.left, frame.right)
@@ -209,7 +246,9 @@ def main() -> None:
         parser.error(f"--mutants: {args.mutants} is outside 1 .. {(1 << SELECT_BITS) - 1}")
     target = TARGETS[args.of]
     mutations = make_mutants(target, args.mutants, args.seed)
-    if target != CORE:
+    if target == CORE:
+        write_core()
+    else:
         build_bench(target)
     verdict = verdict_of(target, 0)
     assert verdict == SURVIVES, f"the netlist without a mutation fails: {verdict}"

@@ -1,0 +1,71 @@
+"""Frames that come right behind writes to the registers, and what has to come of them."""
+
+from __future__ import annotations
+
+import numpy as np
+from frames import random_pair
+from raw_frames import random_one, written
+from registers import CONTROL, ENABLE, ERRORS, FRAMES_IN, SOFT_RESET
+from verilated import PACES, Pace, Rtl
+
+LAST = ["commit", "enable", "soft reset"]  # the write that the frame is right behind
+
+
+def right_behind(rtl: Rtl, rng: np.random.Generator, last: str, seed: int) -> None:
+    """A frame is being taken, whole if the last write is the commit; the writes come, and the next frame."""
+    before, frame = random_one(rng, rtl.config), random_one(rng, rtl.config)
+    rtl.write(CONTROL, ENABLE)
+    written(rtl, before.writes())
+    rtl.write(CONTROL, ENABLE if last != "enable" else 0)
+    sent = before.stream[: int(rng.integers(before.left.size + 1))] if last != "commit" else before.stream
+    writes = frame.writes()
+    if last == "soft reset" and rng.integers(2):
+        writes.append((CONTROL, ENABLE | SOFT_RESET))
+    elif last == "soft reset":
+        writes.insert(0, (CONTROL, ENABLE | SOFT_RESET))
+    elif last == "enable":
+        writes.append((CONTROL, ENABLE))
+    for address, data in writes:
+        rtl.queue_write(len(sent), len(sent), address, data)
+    begun = rtl.read(FRAMES_IN)
+    stream = np.concatenate([sent, frame.stream])
+    expected, flags = frame.words(), frame.flags()
+    most = len(before.words()) + len(expected) + 10
+    paces = Pace(), PACES[rng.integers(len(PACES))]
+    got = rtl.stream(stream, most, *paces, seed, quiet=6000)
+    assert got.taken == len(stream), "the input hung"
+    assert len(got.words) >= len(expected), "the frame is lost"
+    assert (got.words[-len(expected) :] == expected).all()
+    assert (got.flags[-len(expected) :] == flags).all()
+    if last == "commit":
+        assert (got.words[: -len(expected)] == before.words()).all()
+    assert rtl.read(FRAMES_IN) - begun == {"commit": 2, "enable": 1, "soft reset": 1 + (len(sent) > 0)}[last]
+    assert rtl.read(ERRORS) == 0
+
+
+def behind_the_first_pixel(rtl: Rtl, rng: np.random.Generator, seed: int) -> None:
+    """Two frames of one set; the set and the map of the third are committed once the first pixel of the
+    second is offered, which may wait at the input since the reader stalls."""
+    before, frame, after = (random_one(rng, rtl.config) for _ in range(3))
+    frame.parameters, frame.narrow = before.parameters, before.narrow
+    if rtl.config.rows:
+        frame.smooth, frame.levels, frame.grids = before.smooth, before.levels, before.grids
+    height, width = before.shape
+    frame.left, frame.right = random_pair(rng, "noise", height, width)
+    rtl.write(CONTROL, ENABLE)
+    written(rtl, before.writes())
+    sets = after.writes()
+    first = before.left.size
+    for address, data in sets[:-1]:
+        rtl.write(address, data)
+    behind = first + int(rng.integers(3))  # beat that is offered, or was taken
+    rtl.queue_write(behind, first + frame.left.size, *sets[-1])
+    stream = np.concatenate([part.stream for part in (before, frame, after)])
+    expected = np.concatenate([part.words() for part in (before, frame, after)])
+    pace_out = [Pace(1000, 16), *PACES][rng.integers(1 + len(PACES))]
+    got = rtl.stream(stream, len(expected) + 10, Pace(), pace_out, seed, quiet=6000)
+    assert got.taken == len(stream), "the input hung"
+    assert len(got.words) == len(expected)
+    assert (got.words == expected).all()
+    assert (got.flags == np.concatenate([part.flags() for part in (before, frame, after)])).all()
+    assert rtl.read(ERRORS) == 0
