@@ -133,17 +133,15 @@ def recorded(config: Config, trace: Path) -> None:
         frame_at_reset_defaults(rtl, rng)
         rtl.write(INTERRUPT_MASK, 3)
         if config.rows:
-            raw_frames(rtl, rng, 6)
+            raw_frames(rtl, rng, 4)
             faulty_raw_video(rtl, rng)
-            for _ in range(2):
-                maps_and_resets(rtl, rng)
+            maps_and_resets(rtl, rng)
             raw_frames(rtl, rng, 2)
         else:
             frames(rtl, rng, 2)
             faulty_video(rtl, rng)
-            for _ in range(2):
-                reset_inside_a_frame(rtl, rng)
-                frame_at_reset_defaults(rtl, rng)
+            reset_inside_a_frame(rtl, rng)
+            frame_at_reset_defaults(rtl, rng)
             frames(rtl, rng, 3)
         for address, _ in registers().values():
             rtl.read(address)
