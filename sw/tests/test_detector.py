@@ -217,6 +217,39 @@ def test_a_left_image_alone_takes_words_from_elsewhere() -> None:
     left.close()
 
 
+def test_words_without_images_are_degraded() -> None:
+    """What no image tells is not called healthy; the words alone tell of the wall all the same."""
+    full, alone = Detector(), Detector(motion_watched=True)
+    for seed in range(8):
+        full.frame(wall(seed))
+        assert alone.take((None, None)) == "new" and alone.match() == "VISTA_ERROR_ARGUMENT"
+        assert (alone.match(full.words()), alone.judge()) == ("VISTA_OK", "VISTA_OK")
+        reasons = alone.reasons()
+        assert "image_missing" in reasons and "no_contrast" not in reasons
+        assert alone.result.health.state == lib.VISTA_HEALTH_DEGRADED
+        assert set(reasons) - {"image_missing"} <= set(full.reasons())
+    assert alone.line()["nearest_collision"]["distance_m"] == pytest.approx(12.5, rel=0.05)
+    matched = lib.vista_detector_matched_pair(alone.handle)
+    assert (matched.left.data, matched.right.data) == (ffi.NULL, ffi.NULL)
+    assert alone.take((None, None), alone.t_ns) == "repeated"
+    # Nothing tells whether the camera moves.
+    assert alone.take((None, None), restarts=True) == "anew"
+    assert (alone.match(full.words()), alone.judge(posed=False)) == ("VISTA_OK", "VISTA_OK")
+    assert "motion_unknown" in alone.reasons()
+    full.close()
+    alone.close()
+
+
+def test_an_image_that_is_forgotten_is_refused() -> None:
+    detector, pair = Detector(), wall(1)
+    assert detector.take((None, pair[1])) == "VISTA_ERROR_ARGUMENT"
+    c, novelty = ffi.new("vista_detector_pair *", {"t_ns": 1}), ffi.new("vista_novelty *")
+    c.left = image_of(pair[0])[0]
+    c.left.data = ffi.NULL
+    assert lib.vista_detector_take(detector.handle, c, novelty) == lib.VISTA_ERROR_ARGUMENT
+    detector.close()
+
+
 def test_refusals() -> None:
     detector, pair = Detector(), wall(1)
     assert detector.judge() == "VISTA_ERROR_ARGUMENT"

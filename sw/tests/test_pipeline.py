@@ -56,6 +56,24 @@ def test_of_more_things_than_are_followed_the_nearest_are_and_it_is_said() -> No
     assert result.health.state == "degraded" and "crowded" in result.health.reasons
 
 
+def test_words_without_an_image_tell_of_the_board() -> None:
+    """As words with a black image do, but for the health: that of what was not looked at is not known."""
+    alone, black = Pipeline(), Pipeline()
+    for k, source in enumerate(board_flight()):
+        frame, dark = Frame(source), Frame(replace(source, left=np.zeros_like(source.left)))
+        frame.c.image = ffi.new("vista_image *")[0]
+        assert (alone.process(frame), black.process(dark)) == ("VISTA_OK", "VISTA_OK")
+        found = snapshot(alone.result)
+        assert found == snapshot(black.result)
+        assert any(o["confirmed"] for o in found["obstacles"]) == (k >= CONFIRMED_FROM)
+        for obstacle in found["obstacles"]:  # its sides are things of their own, at the same distance
+            assert obstacle["distance_m"] == pytest.approx(source.board_distance_m, abs=0.5)
+        assert alone.result.health.state == lib.VISTA_HEALTH_DEGRADED
+        assert alone.result.health.reasons >> lib.VISTA_HEALTH_IMAGE_MISSING & 1
+        assert not alone.result.health.reasons >> lib.VISTA_HEALTH_NO_CONTRAST & 1
+        assert black.result.health.state == lib.VISTA_HEALTH_BLIND
+
+
 def test_the_board_is_one_obstacle_throughout(flight: list[dict]) -> None:
     assert [len(frame["obstacles"]) for frame in flight] == [1] * scene.FRAMES
     obstacles = [frame["obstacles"][0] for frame in flight]

@@ -54,7 +54,7 @@ typedef struct vista_detector_options {
 /* A pair as it comes from the cameras. */
 typedef struct vista_detector_pair {
   vista_image left,
-      right; /* of the size of the camera; the right one may have no data where words come from elsewhere */
+      right; /* of the size of the camera; where words come from elsewhere the right one, or both, may be all zero */
   int64_t t_ns;
   bool restarts;  /* the pair does not continue what came before: another flight */
   bool rectified; /* the images are rectified already, as in a recording of words */
@@ -69,7 +69,7 @@ typedef enum vista_novelty {
 
 /* The rectified pair in work, and its words. Valid until the next pair is taken. */
 typedef struct vista_detector_matched {
-  vista_image left, right;                               /* right: without data where none was given */
+  vista_image left, right;                               /* without data where none was given */
   vista_disparity_image words[1 + VISTA_COARSER_LEVELS]; /* without data before the match */
   int32_t levels;
 } vista_detector_matched;
@@ -127,8 +127,9 @@ VISTA_API void vista_detector_reset(vista_detector *detector);
 /* Forgets the tracks alone, as after a frame that was refused. The cameras are as they were. */
 VISTA_API void vista_detector_forget(vista_detector *detector);
 
-/* Decides whether a pair is new, and rectifies it unless it is repeated. VISTA_ERROR_ARGUMENT: there is no left image.
- * VISTA_ERROR_SIZE: an image of another size. */
+/* Decides whether a pair is new, and rectifies it unless it is repeated. Without images a pair is repeated if its time is.
+ * VISTA_ERROR_ARGUMENT: there is a right image and no left one, or one without data that has a size. VISTA_ERROR_SIZE: an
+ * image of another size. */
 VISTA_API vista_status vista_detector_take(vista_detector *detector, const vista_detector_pair *pair,
                                            vista_novelty *novelty);
 

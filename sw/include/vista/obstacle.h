@@ -150,6 +150,7 @@ typedef enum vista_health_reason {
   VISTA_HEALTH_DISPARITIES_OFF, /* disparities do not change as the motion says: a turn in yaw, or a wrong baseline */
   VISTA_HEALTH_TIME_JUMP, /* the times went back, or far ahead: what was seen before is of no use */
   VISTA_HEALTH_CROWDED, /* more things are seen than are followed: the farthest were left out */
+  VISTA_HEALTH_IMAGE_MISSING, /* words came without an image: what only an image tells is not judged */
   VISTA_HEALTH_REASON_COUNT
 } vista_health_reason;
 

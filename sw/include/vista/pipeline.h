@@ -1,4 +1,5 @@
-/* The detector takes a left image, the disparities of the engine, the time and the pose, and gives obstacles.
+/* The detector takes a left image, the disparities of the engine, the time and the pose, and gives obstacles. Without the
+ * image it does what the disparities alone allow, and the frame is degraded (VISTA_HEALTH_IMAGE_MISSING).
  *
  * The caller provides all memory: vista_pipeline_bytes says how much vista_pipeline_create needs. Processing a frame
  * allocates nothing, keeps no pointer into the frame, and gives the same result for the same frames every time. A
@@ -27,13 +28,13 @@ VISTA_BEGIN
 
 /* The input of one frame. Members that are left out of an initialiser are zero, which stands for "not given". */
 typedef struct vista_frame {
-  vista_image image;               /* the rectified left image */
+  vista_image image; /* the rectified left image; all zero: none came with the words */
   vista_disparity_image disparity; /* words of the engine, of the same size */
-  const vista_pose *pose;          /* of the rectified left camera in the world; null: not known (motion.source) */
+  const vista_pose *pose; /* of the rectified left camera in the world; null: not known (motion.source) */
   const double *up_world; /* 3 numbers: the unit vector against gravity in the world; null: -y of the camera */
-  int64_t t_ns;           /* increasing from frame to frame */
+  int64_t t_ns; /* increasing from frame to frame */
   const double *velocity_m_s; /* 3 numbers: of the camera in the world; null: from the poses */
-  bool stationary;            /* without a pose: the camera has not moved since the last frame */
+  bool stationary; /* without a pose: the camera has not moved since the last frame */
   vista_disparity_image coarser[VISTA_COARSER_LEVELS]; /* words of levels 1, 2, ..; the first without data ends them */
 } vista_frame;
 

@@ -136,7 +136,8 @@ def run_frame(chain: Chain, files: FrameFiles) -> Step:
 def take(chain: Chain, raw: Frame, restarts: bool = False) -> Novelty:
     """Begins with a frame, or says that it repeats the one before: it is not to be finished then. restarts:
     it begins another flight, and all that came before is forgotten."""
-    novelty = chain.detector.take(raw.left, raw.right, raw.t_ns, restarts)
+    left, right = (raw.left, raw.right) if raw.words is None else (None, None)
+    novelty = chain.detector.take(left, right, raw.t_ns, restarts)
     if novelty == Novelty.RESTARTED:
         for part in (chain.odometry, chain.monitor):
             if part is not None:
@@ -150,7 +151,9 @@ def finish(chain: Chain, raw: Frame, clock: StageClock, anew: bool = False) -> S
     pose does not continue those before."""
     detector, pair, pose = chain.detector, chain.detector.pair(), raw.world_from_camera
     with clock.stage("stereo"):
-        if isinstance(chain.engine, StereoEngine) and chain.engine.threads == 1:
+        if raw.words is not None:
+            detector.match(raw.words)
+        elif isinstance(chain.engine, StereoEngine) and chain.engine.threads == 1:
             detector.match()
         else:
             images = (raw.left, raw.right) if chain.engine_rectifies else (pair.left, pair.right)
@@ -168,7 +171,7 @@ def finish(chain: Chain, raw: Frame, clock: StageClock, anew: bool = False) -> S
         _load_map(chain)
     with clock.stage("checks"):
         besides: tuple[Finding, ...] = ()
-        if chain.monitor is not None:
+        if chain.monitor is not None and raw.words is None:
             besides = chain.monitor.check(pair, result.health.matched_fraction, detector.rows, detector.shown)
     record = FrameRecord(
         result.outcome,

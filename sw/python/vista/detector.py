@@ -34,8 +34,8 @@ class Novelty(IntEnum):
 
 
 class MatchedPair:
-    """The rectified pair in work and its words (vista_detector_matched). Each is copied when first asked
-    for; after the next pair was taken that raises RuntimeError."""
+    """The rectified pair in work and its words (vista_detector_matched). An image that was not given is
+    black. Each is copied when first asked for; after the next pair was taken that raises RuntimeError."""
 
     def __init__(self, ffi: Any, in_c: Callable[[], Any]) -> None:
         """in_c: gives the struct, as long as the pair is in work."""
@@ -56,7 +56,10 @@ class MatchedPair:
         return [self._copied(words, np.int16) for words in pair.words[0 : pair.levels]]
 
     def _copied(self, image: Any, dtype: Any) -> NDArray[Any]:
-        return copied_image(self._ffi, image.data, dtype, (image.height_px, image.width_px))
+        shape = image.height_px, image.width_px
+        if image.data == self._ffi.NULL:
+            return np.zeros(shape, dtype)
+        return copied_image(self._ffi, image.data, dtype, shape)
 
 
 class Detector:
@@ -92,18 +95,20 @@ class Detector:
 
     def take(
         self,
-        left: NDArray[np.uint8],
-        right: NDArray[np.uint8],
+        left: NDArray[np.uint8] | None,
+        right: NDArray[np.uint8] | None,
         t_ns: int,
         restarts: bool = False,
         rectified: bool = False,
     ) -> Novelty:
-        """Looks at a pair, and rectifies it unless it is repeated or is so already. restarts: it begins
-        another flight."""
+        """Looks at a pair, and rectifies it unless it is repeated or is so already. None, both of them: words
+        come without images. restarts: it begins another flight."""
         ffi = self._ffi
-        whole = [np.ascontiguousarray(image) for image in (left, right)]
+        whole = {"left": left, "right": right}
+        kept = {side: np.ascontiguousarray(image) for side, image in whole.items() if image is not None}
         pair = ffi.new("vista_detector_pair *", {"t_ns": t_ns, "restarts": restarts, "rectified": rectified})
-        pair.left, pair.right = (c_image(ffi, image)[0] for image in whole)
+        for side, image in kept.items():
+            setattr(pair, side, c_image(ffi, image)[0])
         novelty = ffi.new("vista_novelty *")
         self._taken += 1
         self._check(self._lib.vista_detector_take(self._detector, pair, novelty))

@@ -31,7 +31,7 @@ struct vista_detector {
   bool placed;        /* a frame had a pose since the last reset */
   vista_detector_seen seen; /* of the last frame that was judged */
   progress progress;
-  bool has_right;
+  bool has_left, has_right;
   vista_pair_view view;
   char alignment_text[VISTA_FINDING_TEXT];
   double rectify_ms, match_ms;
@@ -162,7 +162,8 @@ static vista_image kept(const vista_detector *d, const uint8_t *pixels) {
 /* Bit for bit: the noise of a camera that works sees to it that no two images are alike. */
 static bool shows_the_same(const vista_detector *d, const vista_detector_pair *pair) {
   const vista_image left = kept(d, d->before[0]), right = kept(d, d->before[1]);
-  return vista_same_image(&left, &pair->left) && (pair->right.data == NULL || vista_same_image(&right, &pair->right));
+  return pair->left.data != NULL && vista_same_image(&left, &pair->left) &&
+         (pair->right.data == NULL || vista_same_image(&right, &pair->right));
 }
 
 static vista_novelty novelty_of(const vista_detector *d, const vista_detector_pair *pair) {
@@ -180,14 +181,19 @@ static vista_status rectify(vista_detector *d, const vista_detector_pair *pair) 
   const vista_right_table as_it_is = {0};
   const vista_right_table left = pair->rectified ? as_it_is : d->rig.tables[0];
   const vista_right_table right = pair->rectified ? as_it_is : vista_detector_right_table(d);
+  if (!d->has_left) return VISTA_OK;
   const vista_status status = vista_rectify(&d->rig.camera, &left, &pair->left, d->levels.images[0][0]);
   if (status != VISTA_OK || !d->has_right) return status;
   return vista_rectify(&d->rig.camera, &right, &pair->right, d->levels.images[1][0]);
 }
 
 vista_status vista_detector_take(vista_detector *d, const vista_detector_pair *pair, vista_novelty *novelty) {
-  if (d == NULL || pair == NULL || novelty == NULL || pair->left.data == NULL) return VISTA_ERROR_ARGUMENT;
-  if (!has_size(d, &pair->left) || (pair->right.data != NULL && !has_size(d, &pair->right))) return VISTA_ERROR_SIZE;
+  if (d == NULL || pair == NULL || novelty == NULL) return VISTA_ERROR_ARGUMENT;
+  const vista_image *const sides[2] = {&pair->left, &pair->right};
+  const bool has_left = sides[0]->data != NULL, has_right = sides[1]->data != NULL;
+  if (!has_left && (has_right || sides[0]->width_px != 0 || sides[0]->height_px != 0)) return VISTA_ERROR_ARGUMENT;
+  for (int side = 0; side < 2; ++side)
+    if (sides[side]->data != NULL && !has_size(d, sides[side])) return VISTA_ERROR_SIZE;
   d->progress = PROGRESS_NONE;
   *novelty = novelty_of(d, pair);
   if (*novelty == VISTA_PAIR_REPEATED) return VISTA_OK;
@@ -195,10 +201,11 @@ vista_status vista_detector_take(vista_detector *d, const vista_detector_pair *p
   if (*novelty == VISTA_PAIR_RESTARTED && !pair->restarts && d->watch != NULL) vista_watch_time_went_back(d->watch);
   d->began = true;
   d->t_ns = pair->t_ns;
-  d->has_right = pair->right.data != NULL;
+  d->has_left = has_left;
+  d->has_right = has_right;
   vista_status status = VISTA_OK;
-  if (d->before[0] != NULL) status = keep(d, &pair->left, d->before[0]);
-  if (d->before[1] != NULL && d->has_right && status == VISTA_OK) status = keep(d, &pair->right, d->before[1]);
+  if (d->before[0] != NULL && has_left) status = keep(d, &pair->left, d->before[0]);
+  if (d->before[1] != NULL && has_right && status == VISTA_OK) status = keep(d, &pair->right, d->before[1]);
   const double start_ms = vista_clock_ms();
   if (status == VISTA_OK) status = rectify(d, pair);
   if (status != VISTA_OK) return status;
@@ -223,7 +230,8 @@ vista_status vista_detector_match(vista_detector *d, const vista_disparity_image
 }
 
 vista_detector_matched vista_detector_matched_pair(const vista_detector *d) {
-  vista_detector_matched matched = {.left = kept(d, d->levels.images[0][0]), .levels = d->levels.count};
+  vista_detector_matched matched = {.levels = d->levels.count};
+  matched.left = kept(d, d->has_left ? d->levels.images[0][0] : NULL);
   matched.right = kept(d, d->has_right ? d->levels.images[1][0] : NULL);
   for (int32_t level = 0; level < d->levels.count && d->progress >= PROGRESS_MATCHED; ++level)
     matched.words[level] = vista_levels_words(&d->levels, level);
@@ -268,7 +276,7 @@ static vista_status align(vista_detector *d, vista_detector_result *result) {
 }
 
 static vista_status process(vista_detector *d, const vista_detector_place *place, vista_detector_result *result) {
-  vista_frame frame = {.image = kept(d, d->levels.images[0][0]),
+  vista_frame frame = {.image = d->has_left ? kept(d, d->levels.images[0][0]) : (vista_image){0},
                        .disparity = vista_levels_words(&d->levels, 0),
                        .pose = place->pose,
                        .up_world = place->up_world,
@@ -287,11 +295,10 @@ static vista_status process(vista_detector *d, const vista_detector_place *place
 static uint32_t watch(vista_detector *d, vista_detector_result *result) {
   if (d->watch == NULL) return 0;
   const double start_ms = vista_clock_ms();
-  const vista_image left = kept(d, d->levels.images[0][0]);
-  const vista_image right = kept(d, d->has_right ? d->levels.images[1][0] : NULL);
+  const vista_detector_matched pair = vista_detector_matched_pair(d);
   vista_watched found;
   const double noise = vista_pipeline_look(d->pipeline).frame->noise.sigma;
-  vista_watch_pair(d->watch, &left, &right, noise, &result->result, d->t_ns, &found);
+  vista_watch_pair(d->watch, &pair.left, &pair.right, noise, &result->result, d->t_ns, &found);
   if (!vista_watch_words(d->watch, d->words_differ > 0.0)) found.reasons |= UINT32_C(1) << VISTA_HEALTH_WORDS_DIFFER;
   if (result->alignment.unexplained) found.reasons |= UINT32_C(1) << VISTA_HEALTH_MOMENTS_DIFFER;
   result->watch_ms = vista_clock_ms() - start_ms;
@@ -308,7 +315,7 @@ vista_status vista_detector_judge(vista_detector *d, const vista_detector_place 
   d->seen = (vista_detector_seen){d->pipeline, result->directions};
   d->placed = d->placed || place->pose != NULL;
   const uint32_t watched = watch(d, result);
-  const bool alone = d->options.stills || d->options.motion_watched;
+  const bool alone = d->options.stills || (d->options.motion_watched && d->has_left);
   vista_findings_of(&(vista_frame_facts){.rig = &d->rig,
                                          .view = &d->view,
                                          .motion_unknown = !d->placed && !alone,

@@ -197,7 +197,9 @@ static vista_status check_up(const double up_world[3]) {
 /* Checks a frame before anything changes. Time, pose and velocity are judged by the first stage, which comes next. */
 static vista_status check_frame(const vista_pipeline *p, const vista_frame *frame) {
   int32_t levels;
-  vista_status status = vista_frame_check_image(&frame->image, p->camera.width_px, p->camera.height_px);
+  const bool seen = frame->image.data != NULL || frame->image.width_px != 0 || frame->image.height_px != 0;
+  vista_status status =
+      seen ? vista_frame_check_image(&frame->image, p->camera.width_px, p->camera.height_px) : VISTA_OK;
   if (status == VISTA_OK) status = vista_words_count_levels(&p->words, &frame->disparity, frame->coarser, &levels);
   return status == VISTA_OK && frame->up_world != NULL ? check_up(frame->up_world) : status;
 }

@@ -2,6 +2,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "common/frame.h"
@@ -22,6 +23,9 @@ static vista_matched_area matched_area(const vista_stereo_params *stereo, int32_
 
 /* Finds the direction up in camera coordinates, R^T up_world. False: no pose tells how the camera hangs; it is taken to
  * be level. */
+/* Every row of the image that stands for one that was not given. */
+static const uint8_t black[VISTA_MOST_IMAGE_PX];
+
 static bool up_in_camera(const vista_motion *motion, const double *up_world, double up[3]) {
   static const double level[3] = {0.0, -1.0, 0.0};
   const bool known = up_world != NULL && motion->source != VISTA_MOTION_UNTOLD;
@@ -34,8 +38,13 @@ static bool up_in_camera(const vista_motion *motion, const double *up_world, dou
 
 vista_status vista_pipeline_begin(const vista_parameters *parameters, const vista_camera *camera,
                                   const vista_frame *given, vista_motion_state *state, vista_frame_view *frame) {
-  vista_frame_view f = {
-      .params = parameters, .camera = camera, .t_ns = given->t_ns, .image = given->image, .levels = {given->disparity}};
+  vista_frame_view f = {.params = parameters,
+                        .camera = camera,
+                        .t_ns = given->t_ns,
+                        .image = given->image,
+                        .seen = given->image.data != NULL,
+                        .levels = {given->disparity}};
+  if (!f.seen) f.image = (vista_image){black, camera->width_px, camera->height_px, 0};
   int32_t levels = 1;
   for (; levels <= VISTA_COARSER_LEVELS && given->coarser[levels - 1].data != NULL; ++levels)
     f.levels[levels] = given->coarser[levels - 1];

@@ -39,6 +39,10 @@ static const entry reasons[VISTA_HEALTH_REASON_COUNT] = {
      "disparities do not change as the motion says: has a camera turned, or is the baseline or the speed wrong?", 0},
     {"time_jump", "the times went back or far ahead: what was seen before is of no use", 0},
     {"crowded", "more things are seen than are followed: the farthest are left out", 0},
+    {"image_missing",
+     "no image came with the words: thin things and what is too near to match are not looked for, and nothing checks "
+     "the cameras, the words or the motion",
+     0},
 };
 
 static const char *const state_names[VISTA_HEALTH_STATE_COUNT] = {"healthy", "degraded", "blind"};
@@ -168,11 +172,12 @@ void vista_health_judge(const vista_frame_view *frame, const vista_cells *cells,
   const bool holds[VISTA_HEALTH_REASON_COUNT] = {
       [VISTA_HEALTH_FEW_DISPARITIES] = few && !none,
       [VISTA_HEALTH_NO_DISPARITIES] = none,
-      [VISTA_HEALTH_NO_CONTRAST] = h.contrast < params->contrast_min,
+      [VISTA_HEALTH_NO_CONTRAST] = frame->seen && h.contrast < params->contrast_min,
       [VISTA_HEALTH_MOTION_UNKNOWN] = motion->source == VISTA_MOTION_CARRIED_ON,
       [VISTA_HEALTH_POSE_JUMP] = motion->source == VISTA_MOTION_REFUSED || motion->restarted,
       [VISTA_HEALTH_NOISE] = noisy && agreeing < params->degraded_fraction,
       [VISTA_HEALTH_GROUND_UNSEEN] = ground_view(frame, noisy) < params->ground_fraction,
+      [VISTA_HEALTH_IMAGE_MISSING] = !frame->seen,
   };
   for (int k = 0; k < VISTA_HEALTH_REASON_COUNT; ++k)
     if (holds[k]) vista_health_add(&h, (vista_health_reason)k);

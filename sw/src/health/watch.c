@@ -128,7 +128,7 @@ static uint32_t judge_images(vista_watch *w, const vista_image *const sides[2], 
   for (int side = 0; side < 2; ++side) {
     if (sides[side]->data == NULL) continue;
     const shares s = compare(sides[side], w->before[side], ahead);
-    asked[side] = w->began && (side == 0 || w->had_right);
+    asked[side] = w->began && w->had[side];
     frozen[side] = at_least(s.same, s.whole, FROZEN_SHARE);
     stuck |= asked[side] && moved && w->noise > NOISE_MIN && at_least(s.same_ahead, s.ahead, share);
   }
@@ -272,7 +272,10 @@ void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image
   *found = (vista_watched){.reasons = judge_images(w, sides, noise, moved, &ahead)};
   const bool frozen = (found->reasons & bit(VISTA_HEALTH_IMAGES_FROZEN)) != 0;
   if (frozen) vista_coherence_reset(&w->coherence); /* what stands still tells neither offset nor velocity */
-  vista_coherence_update(&w->coherence, left, result->views->words, motion, t_ns, &found->coherence);
+  if (left->data != NULL)
+    vista_coherence_update(&w->coherence, left, result->views->words, motion, t_ns, &found->coherence);
+  else
+    vista_coherence_reset(&w->coherence);
   const leading way = follow_way(&w->way, motion, t_ns, &found->coherence);
   const bool otherwise = moves_otherwise(w, &found->coherence, vista_norm(step_m));
   found->reasons |= held(&w->doubted, frozen || otherwise || way.doubtful, VISTA_HEALTH_MOTION_DOUBTFUL);
@@ -285,7 +288,7 @@ void vista_watch_pair(vista_watch *w, const vista_image *left, const vista_image
   w->began = true;
   w->t_ns = t_ns;
   w->passed_s = passed_s;
-  w->had_right = right->data != NULL;
+  for (int side = 0; side < 2; ++side) w->had[side] = sides[side]->data != NULL;
   w->posed = posed;
   w->pose = motion->pose;
 }

@@ -41,7 +41,7 @@ typedef struct vista_watch {
   vista_coherence coherence;
   uint8_t *before[2]; /* rectified images of the pair before */
   bool began;
-  bool had_right;
+  bool had[2]; /* an image of that side was in the pair before */
   bool posed;
   vista_pose pose; /* of the pair before */
   vista_watched_way way;
@@ -77,8 +77,8 @@ void vista_watch_begin_anew(vista_watch *watch);
  * were compared. */
 bool vista_watch_words(vista_watch *watch, bool differ);
 
-/* Takes a rectified pair, the right image of which may have no data, the noise of the left one, and what the pipeline
- * made of the pair. */
+/* Takes a rectified pair, the images of which may have no data, the right one or both, the noise of the left one, and what
+ * the pipeline made of the pair. */
 void vista_watch_pair(vista_watch *watch, const vista_image *left, const vista_image *right, double noise,
                       const vista_result *result, int64_t t_ns, vista_watched *found);
 

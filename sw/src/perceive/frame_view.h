@@ -19,7 +19,8 @@ typedef struct vista_frame_view {
   const vista_camera *camera;
   const vista_foveation *foveation;
   int64_t t_ns;
-  vista_image image;                                      /* rectified, left */
+  vista_image image; /* rectified, left; black, where none was given */
+  bool seen;         /* one was */
   vista_disparity_image levels[1 + VISTA_COARSER_LEVELS]; /* words of the engine, the first one of full resolution */
   vista_matched_area matched;                             /* by the engine, with the levels of this frame */
   vista_motion motion;                                    /* pose and velocity */

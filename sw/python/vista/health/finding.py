@@ -40,6 +40,7 @@ class Reason(StrEnum):
     DISPARITIES_OFF = "disparities_off"
     TIME_JUMP = "time_jump"
     CROWDED = "crowded"
+    IMAGE_MISSING = "image_missing"
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,9 @@ class Frame:
     left: NDArray[np.uint8]
     right: NDArray[np.uint8]
     world_from_camera: Pose | None
+    words: tuple[NDArray[np.int16], ...] | None = (
+        None  #: of each level, of a pair whose images stayed elsewhere: they are black here
+    )
 
 
 @dataclass(frozen=True)
