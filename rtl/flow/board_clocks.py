@@ -104,7 +104,7 @@ def from_the_cameras(config: SystemConfig, frames: int, folder: Path) -> dict[st
     spans, came = [], {}
     for line in board_lines(config, frames, *arguments):
         match line.split():
-            case ["frame", number, clock]:
+            case ["frame", number, clock, *_]:
                 came[int(number)] = float(clock)
             case [begin, end]:
                 spans.append((float(begin), float(end)))

@@ -54,11 +54,12 @@ class Client:
     def stop(self) -> None:
         call(lib.vista_board_stop(self.board))
 
-    def receive(self) -> tuple[int, np.ndarray]:
+    def receive(self) -> tuple[Any, np.ndarray]:
+        """vista_board_pair, and the words."""
         words = np.zeros(lib.vista_board_words(self.board), np.int16)
-        number = ffi.new("int64_t *")
-        call(lib.vista_board_receive(self.board, ffi.from_buffer("int16_t[]", words), words.size, number))
-        return number[0], words
+        pair = ffi.new("vista_board_pair *")
+        call(lib.vista_board_receive(self.board, ffi.from_buffer("int16_t[]", words), words.size, pair))
+        return pair, words
 
     def build(self) -> Any:
         build = ffi.new("vista_board_build *")

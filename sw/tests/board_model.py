@@ -68,9 +68,13 @@ class BoardModel:
         self.hold_s = wire.CONSTANTS["HOLD_MS"] / 1000
         self.mixed_up = 0  # chunks that are sent with the words of another
         self.overruns = self.foreign = 0
+        self.cameras = 1
         # Pairs that its cameras show, one with each status; an empty one is a frame that found no partner.
         self.shown: list[bytes] = []
         self.refused = 0
+        self.began_ns: dict[int, int] = {}  # when each was shown, on time.monotonic_ns()
+        self.began_us: dict[int, int] = {}  # the same on the clock of the board
+        self.reset_ns = time.monotonic_ns()
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
         self.socket.settimeout(0.02)
@@ -123,19 +127,24 @@ class BoardModel:
         self.status_token = max(self.status_token, token)
         if self.streams and self.shown:
             self._take_pair(self.shown.pop(0))
-        values = {"credits": self.credits, "cameras": 1, "last_write": self.last_write}
+        values = {"credits": self.credits, "cameras": self.cameras, "last_write": self.last_write}
         values["refused_left"] = self.refused & 0xFFFF
+        values["now"] = self._time_us(time.monotonic_ns())
         values["held"] = self._held()
         values["busy"] = any(slot.state == wire.STATES["running"] for slot in self.slots)
         for i, slot in enumerate(self.slots):
             values[f"slot_{i}_frame"] = slot.frame
             values[f"slot_{i}_state"] = slot.state
             values[f"slot_{i}_chunks"] = len(slot.chunks)
+            values[f"slot_{i}_began"] = self.began_us.get(slot.frame, 0)
         bitmap = [0] * wire.BITMAP_WORDS
         for chunk in self.slots[frame % SLOTS].chunks:
             bitmap[chunk // 32] |= 1 << chunk % 32
         body = wire.to_bytes([*wire.payload("status", values), *bitmap])
         self._reply("status", body, token=token, frame=frame)
+
+    def _time_us(self, now_ns: int) -> int:
+        return (now_ns - self.reset_ns) // 1000 & 0xFFFFFFFF
 
     def _held(self) -> bool:
         """Whether another client than the one that speaks holds the board."""
@@ -185,6 +194,8 @@ class BoardModel:
         if not pixels:
             self.refused += 1
             return
+        self.began_ns[self.next_pair] = now_ns = time.monotonic_ns()
+        self.began_us[self.next_pair] = self._time_us(now_ns)
         slot = self.slots[self.next_pair % SLOTS]
         if slot.state == wire.STATES["filling"]:
             slot.frame, slot.stream = self.next_pair, self.engine.stream(pixels)

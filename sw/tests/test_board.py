@@ -30,6 +30,9 @@ from random_seed import seeded
 pytestmark = pytest.mark.slow
 
 
+ROUND_S = 0.4  # until the counter of the board's time goes round
+
+
 @contextmanager
 def connected(board: BoardModel, timeout_ms: int = TIMEOUT_MS) -> Iterator[Client]:
     with running(board):
@@ -53,20 +56,29 @@ def test_pairs_of_the_cameras_are_right_or_reported(loss: float) -> None:
     rng = seeded(2290)
     settings = SETTINGS | {"width_px": 60, "height_px": 20, "levels": 2, "cameras": 1}
     board = make_board(rng, loss)
-    board.refused = 65534  # before the session; the counter goes round in it
+    board.refused = 65534  # before the session; the counter goes round in it, and so does that of the time
     with connected(board) as client:
         client.configure(settings)
         client.start()
         pairs = [random_pair(rng, settings) for _ in range(20)]
         pixels = [np.stack(pair, -1).tobytes() for pair in pairs]
+        board.reset_ns = time.monotonic_ns() - 1000 * (1 << 32) + int(1e9 * ROUND_S)
         board.shown = [one for i in range(20) for one in ([b""] * (i % 5 == 0) + [pixels[i]])]
-        numbers = []
+        numbers, offsets = [], []
         while board.shown or any(slot.state >= wire.STATES["running"] for slot in board.slots):
-            number, words = client.receive()
-            numbers.append(number)
-            np.testing.assert_array_equal(words, golden(settings, *pairs[number]))
+            pair, words = client.receive()
+            numbers.append(pair.number)
+            np.testing.assert_array_equal(words, golden(settings, *pairs[pair.number]))
+            began_ns = board.began_ns[pair.number]
+            assert 0 <= pair.came_ns - began_ns < 1_000_000_000
+            offsets.append(pair.t_ns - began_ns)
+            if len(numbers) == 2:
+                time.sleep(ROUND_S)
         client.stop()
         assert numbers == sorted(set(numbers)) and len(numbers) > 5
+        assert (
+            max(offsets) - min(offsets) <= 2000 and board.began_us[numbers[0]] > board.began_us[numbers[-1]]
+        )
         assert (client.counts.frames, client.counts.lost) == (len(numbers), numbers[-1] + 1 - len(numbers))
         assert client.counts.refused_left == 4 and client.counts.refused_right == 0
         with pytest.raises(BoardError, match="ERROR_ORDER"):

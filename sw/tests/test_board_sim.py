@@ -337,7 +337,15 @@ def write_register(port: int, address: int, value: int) -> None:
 
 CAMERA_SETTINGS = SETTINGS | {"width_px": 200, "height_px": 120, "smooth": 1, "levels": 2}
 PAIRS = 12  # that the sensors show, one after the other
-SENSORS = ["--pixel-mhz", "30", "--line-blanking", "60", "--rate", "600"]
+RATE_HZ = 600
+SENSORS = ["--pixel-mhz", "30", "--line-blanking", "60", "--rate", str(RATE_HZ)]
+
+
+def moment_of(t_ns: int, rate_hz: int = RATE_HZ) -> int:
+    """The moment in which a pair began at this time of the board: moment 0 is that after a period."""
+    moment, part = divmod(1e-9 * t_ns * rate_hz, 1.0)
+    assert part < 0.05  # sensors begin some pixel clocks after they were triggered
+    return int(moment) - 1
 
 
 def shown_to(folder: Path, settings: dict) -> tuple[Path, list[np.ndarray]]:
@@ -361,15 +369,16 @@ def test_cameras_of_the_board_start_stop_and_are_received(program: Path, tmp_pat
         client.configure(settings)
         with pytest.raises(BoardError, match="ERROR_ORDER"):
             client.submit(*random_pair(seeded(2421), settings))
-        numbers = []
+        numbers, moments = [], []
         for _ in range(2):
             client.start()
             for _ in range(3):
-                number, found = client.receive()
-                numbers.append(number)
-                assert any(np.array_equal(found, one) for one in words)
+                pair, found = client.receive()
+                numbers.append(pair.number)
+                moments.append(moment_of(pair.t_ns))
+                np.testing.assert_array_equal(found, words[moments[-1] % PAIRS])
             client.stop()
-        assert numbers == sorted(set(numbers))
+        assert numbers == sorted(set(numbers)) and moments == sorted(set(moments))
         counts = client.counts
         assert (counts.frames, counts.lost) == (6, numbers[-1] - 5)
         assert (counts.refused_left, counts.refused_right) == (0, 0)
@@ -406,8 +415,11 @@ def test_sensors_that_fail_give_right_frames_or_none(tmp_path: Path) -> None:
     (frames, lost, left, right, moments) = map(int, said["counts"][0])
     first = next(i for i, one in enumerate(words) if np.array_equal(found[0], one))
     well = [m for m in range(first, moments) if m not in ill][:frames]
-    for moment, one in zip(well, found, strict=True):
+    for moment, one, (_, clock, t_ns, came_ns) in zip(well, found, said["frame"], strict=True):
         np.testing.assert_array_equal(one, words[moment % PAIRS], err_msg=str(moment))
+        assert moment_of(int(t_ns)) == moment
+        # Both clocks are the board's there; an answer takes some microseconds.
+        assert 0 <= int(came_ns) - int(t_ns) < 20_000 and int(came_ns) < 1000 * int(clock) / 45
     seen = [what for moment, what in ill.items() if first <= moment < well[-1]]
     begun = sum(what not in ("missing", "late") for what in seen)
     assert len(seen) > 5 and begun <= lost <= begun + 3  # those behind the last one, and before the first

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from math import gcd
 from typing import Any, NamedTuple
 
 from litex.gen import LiteXModule
@@ -10,6 +11,7 @@ from litex.soc.interconnect import stream
 from migen import Cat, ClockSignal, If, Instance, ResetSignal, Signal
 
 FIFO_PIXELS = 1024  # as many as one block RAM holds
+MICROSECONDS = 1_000_000  # in a second
 SKEW_BITS, MAX_SKEW_CLOCKS = 16, 256  # that a pixel waits for its partner; less than from line to line
 
 
@@ -28,12 +30,14 @@ class Cameras(LiteXModule):
     waits, {right, left}, with the framing that `first` and `last` ask for. If the pair breaks off, has lines
     of another length, or nothing comes for so long that the caller says `silent`, `broken` is up until
     `clear`, and zeros come in its place: what has begun in the engine always ends. refused: how many frames
-    of each camera found no partner since `restart`."""
+    of each camera found no partner since `restart`. now: microseconds since the reset; began: those at which
+    the pair that waits, or the last one, began."""
 
-    def __init__(self, sensors: list[Sensor]) -> None:
+    def __init__(self, sensors: list[Sensor], clk_freq: int) -> None:
         self.begins, self.drop, self.wanted = Signal(), Signal(), Signal()
         self.first, self.last, self.silent = Signal(), Signal(), Signal()
         self.broken, self.clear, self.restart = Signal(), Signal(), Signal()
+        self.now, self.began = Signal(32), Signal(32)
         self.pixels = pixels = stream.Endpoint([("data", 16)])
         self.refused = [Signal(16, name=f"refused_{side}") for side in ("left", "right")]
 
@@ -74,4 +78,11 @@ class Cameras(LiteXModule):
             If(self.clear, self.broken.eq(0)),
             *(If(refuses[i], count.eq(count + 1)) for i, count in enumerate(self.refused)),
             If(self.restart, *(count.eq(0) for count in self.refused)),
+            If(~self.begins, self.began.eq(self.now)),
         ]
+        # `step` a clock, of `whole` that a microsecond has.
+        step, whole = (number // gcd(MICROSECONDS, clk_freq) for number in (MICROSECONDS, clk_freq))
+        part = Signal(max=whole)
+        self.sync += If(part >= whole - step, part.eq(part - (whole - step)), self.now.eq(self.now + 1)).Else(
+            part.eq(part + step)
+        )

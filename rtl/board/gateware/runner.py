@@ -143,6 +143,7 @@ class Runner(LiteXModule):
                 cameras.restart.eq(self.restart),
                 cameras.drop.eq(~live | (~self.busy & ~has_room)),
                 cameras.pixels.ready.eq(engine.pixels.ready),
+                slots.time.eq(cameras.began),
                 If(
                     of_cameras,
                     engine.pixels.valid.eq(cameras.pixels.valid),

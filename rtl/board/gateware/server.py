@@ -152,6 +152,7 @@ class Server(LiteXModule):
             status[f"slot_{s}_chunks"] = slots.chunks[s]
         if cameras is not None:
             status |= dict(zip(("refused_left", "refused_right"), cameras.refused, strict=True))
+            status |= {"now": cameras.now} | {f"slot_{s}_began": slots.began[s] for s in range(SLOTS)}
         header_word, status_word = Signal(32), Signal(32)
         self.comb += [
             _choose(header_word, position, HEADER, own_header),

@@ -20,20 +20,27 @@ class Change:
 
 
 class Slots(LiteXModule):
-    """frame, state, chunks: of each slot. The bitmaps lie in one memory, of which `row` is read a clock after
-    `row_address`, {slot, word}, and `new_row` written while `write` is up."""
+    """frame, state, chunks: of each slot; began: the time of the pair of the cameras in it. The bitmaps lie
+    in one memory, of which `row` is read a clock after `row_address`, {slot, word}, and `new_row` written
+    while `write` is up."""
 
     def __init__(self) -> None:
         self.frame = Array(Signal(32, reset=s, name=f"frame_{s}") for s in range(SLOTS))
         self.state = Array(Signal(3, name=f"state_{s}") for s in range(SLOTS))
         self.chunks = Array(Signal(16, name=f"chunks_{s}") for s in range(SLOTS))
+        self.began = Array(Signal(32, name=f"began_{s}") for s in range(SLOTS))
 
         self.by_runner, self.by_server = Change(), Change()
         for change in (self.by_runner, self.by_server):
             self.sync += If(change.enable, self.state[change.slot].eq(change.state))
 
-        self.renumber, self.number = Signal(), Signal(32)  # gives the runner's slot this frame
-        self.sync += If(self.renumber, self.frame[self.by_runner.slot].eq(self.number))
+        # Gives the runner's slot this frame.
+        self.renumber, self.number, self.time = Signal(), Signal(32), Signal(32)
+        self.sync += If(
+            self.renumber,
+            self.frame[self.by_runner.slot].eq(self.number),
+            self.began[self.by_runner.slot].eq(self.time),
+        )
 
         self.empty = Signal()  # puts all slots into the first state
         self.sync += If(self.empty, *(state.eq(STATES["filling"]) for state in self.state))

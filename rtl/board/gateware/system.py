@@ -68,7 +68,7 @@ class BoardSystem(LiteXModule):
         self.packets = PacketBuffer()
         self.slots = Slots()
         self.engine = Engine(self.memory, build)
-        self.cameras = cameras = None if sensors is None else Cameras(sensors)
+        self.cameras = cameras = None if sensors is None else Cameras(sensors, int(clk_freq))
         self.runner = runner = Runner(self.memory, self.slots, self.engine, patience_bits, cameras)
         self.server = Server(self.packets, self.memory, self.slots, self.engine, runner, hold_bits, cameras)
         port = self.network.udp.crossbar.get_port(CONSTANTS["PORT"], dw=32)

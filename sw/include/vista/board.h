@@ -12,7 +12,7 @@
  * With settings.cameras, in place of submit and collect:
  *
  *   vista_board_start(board);
- *   for each pair of the cameras: vista_board_receive(board, words, word_count, &number);
+ *   for each pair of the cameras: vista_board_receive(board, words, word_count, &pair);
  *   vista_board_stop(board);
  *
  * Packets that are lost are sent again, those that come twice are recognised. A function that hears nothing from the
@@ -74,6 +74,13 @@ typedef struct vista_board_counts {
   int64_t chunks_wrong; /* that were not of the frame, by their check, and fetched again */
   int64_t retries; /* requests that were repeated */
 } vista_board_counts;
+
+/* A pair of the board's cameras. */
+typedef struct vista_board_pair {
+  int64_t number; /* from the start of the session on, those that were lost included */
+  int64_t t_ns; /* when its first pixel came, on the clock of the board, in steps of 1 us */
+  int64_t came_ns; /* the same moment on CLOCK_MONOTONIC of this machine, at most the time of an answer too late */
+} vista_board_pair;
 
 /* The number of bytes that vista_board_connect needs. */
 VISTA_API size_t vista_board_bytes(void);
@@ -145,15 +152,16 @@ VISTA_API vista_status vista_board_start(vista_board *board);
 /* Lets the board take no more pairs, and waits until it has finished what it was at. That can be received still. */
 VISTA_API vista_status vista_board_stop(vista_board *board);
 
-/* Receives the words of the next pair of the cameras, as vista_board_collect does. Pairs are numbered from the start of
- * the session on, those that were lost included, so a number that is left out is that of a lost pair; frames that
- * found no partner are counted by vista_board_count.
+/* Receives the words of the next pair of the cameras, as vista_board_collect does. A number that is left out is that of a
+ * lost pair; frames that found no partner are counted by vista_board_count. A pair keeps its time for half an hour,
+ * however late it is received.
  *
  * - VISTA_ERROR_ORDER: the settings of the session name no cameras.
  * - VISTA_ERROR_FRAME: no pair came within the agreed time, the engine did not finish this one, or its words go on being
  *   others by their check.
  * - VISTA_ERROR_MEMORY, VISTA_ERROR_SESSION, VISTA_ERROR_NO_ANSWER: see vista_board_collect. */
-VISTA_API vista_status vista_board_receive(vista_board *board, int16_t *words, int64_t word_count, int64_t *number);
+VISTA_API vista_status vista_board_receive(vista_board *board, int16_t *words, int64_t word_count,
+                                           vista_board_pair *pair);
 
 /* What has happened so far. */
 VISTA_API vista_board_counts vista_board_count(const vista_board *board);

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
@@ -50,6 +50,10 @@ class BoardClient:
         # The destructor holds the memory: what an object refers to is freed in any order.
         self._board = self._ffi.gc(handle[0], lambda board, memory=memory: disconnect(board))
 
+    def close(self) -> None:
+        """Lets go of the board; nothing else may be called afterwards."""
+        self._ffi.release(self._board)
+
     def identify(self) -> Any:
         """vista_board_build."""
         build = self._ffi.new("vista_board_build *")
@@ -92,13 +96,13 @@ class BoardClient:
     def stop(self) -> None:
         self._check(self._lib.vista_board_stop(self._board))
 
-    def receive(self) -> tuple[int, Disparity]:
-        """The number of the next pair of the cameras, and the words of all its levels."""
+    def receive(self) -> tuple[Any, Disparity]:
+        """The next pair of the cameras (vista_board_pair), and the words of all its levels."""
         words = np.empty(self._lib.vista_board_words(self._board), np.int16)
         buffer = self._ffi.from_buffer("int16_t[]", words)
-        number = self._ffi.new("int64_t *")
-        self._check(self._lib.vista_board_receive(self._board, buffer, words.size, number))
-        return int(number[0]), words
+        pair = self._ffi.new("vista_board_pair *")
+        self._check(self._lib.vista_board_receive(self._board, buffer, words.size, pair))
+        return pair, words
 
     @property
     def counts(self) -> Any:
@@ -109,11 +113,11 @@ class BoardClient:
         native.check(self._ffi, self._lib, status, partial(BoardError, status))
 
 
-class BoardEngine:
-    """The engine behind a BoardClient. grids: the map that raw images are rectified by.
+class Board:
+    """A BoardClient whose board was built for these parameters. grids: the map that raw images are rectified
+    by; cameras: the pairs are those of the board's own.
 
-    InputError, in one line, when nobody answers, the board was built with other parameters, or a frame is
-    lost. A board that was restarted in between is set up again, and the frame is sent once more.
+    InputError, in one line, when nobody answers, or the board was built with other parameters.
     """
 
     def __init__(
@@ -122,12 +126,13 @@ class BoardEngine:
         address: str,
         grids: GridPair | None = None,
         timeout_ms: int = 1000 * DEFAULT_TIMEOUT_S,
+        cameras: bool = False,
     ) -> None:
         self.parameters = StereoEngine(**asdict(parameters)).parameters  # one judge of the contract's ranges
         _, self._lib = native.load("vista")
         host, port = parse_address(address, self._lib.VISTA_BOARD_PORT)
         self._culprit = f"board {host}:{port}"
-        self._grids, self._timeout_ms = grids, timeout_ms
+        self._grids, self._timeout_ms, self._cameras = grids, timeout_ms, cameras
         self._size: tuple[int, int] | None = None  # of the session's pairs; None: no session
         with self._reported():
             self._client = BoardClient(host, port, timeout_ms)
@@ -145,6 +150,56 @@ class BoardEngine:
                 f"{most.max_pixels} in all"
             )
         self._configure(width_px, height_px)
+
+    def _check_build(self) -> None:
+        wanted, found = self.parameters, self._build
+        if (found.num_disparities, found.block_size) != (wanted.num_disparities, wanted.block_size):
+            raise InputError(
+                self._culprit,
+                f"was built for {found.num_disparities} disparities and blocks of {found.block_size} px, "
+                f"stereo asks for {wanted.num_disparities} and {wanted.block_size}",
+            )
+        if self._cameras and not found.cameras:
+            raise InputError(self._culprit, "was built without sensors of its own (make bitstream CAMERAS=1)")
+        rows = self._grids.buffer_rows if self._grids else 0
+        if rows > found.rectify_rows:
+            raise InputError(
+                self._culprit,
+                f"was built with {found.rectify_rows} rows to rectify, stereo.rectify_rows asks for {rows}",
+            )
+
+    def _configure(self, width_px: int, height_px: int) -> None:
+        grids = (self._grids.left, self._grids.right) if self._grids is not None else ()
+        self._size = None
+        with self._reported():
+            self._client.configure(self.parameters, width_px, height_px, grids, self._cameras)
+        self._size = (width_px, height_px)
+
+    def _split(self, words: Disparity, shape: tuple[int, int]) -> list[Disparity]:
+        return split_levels(words, level_shapes(shape, self.parameters.levels))
+
+    @contextmanager
+    def _reported(self, consequence: str = "") -> Iterator[None]:
+        """What fails becomes an InputError."""
+        try:
+            yield
+        except BoardError as error:
+            lib = self._lib
+            texts = {
+                lib.VISTA_ERROR_ADDRESS: "the name has no address",
+                lib.VISTA_ERROR_NO_ANSWER: f"no answer within {self._timeout_ms / 1000:g} s",
+                lib.VISTA_ERROR_CAPACITY: "the map needs more rows than its line buffer has",
+                lib.VISTA_ERROR_SIZE: "has no room for images or for a map of this size",
+            }
+            raise InputError(self._culprit, consequence + texts.get(error.status, str(error))) from None
+
+
+class BoardEngine(Board):
+    """The engine of a board, which the host sends pairs to.
+
+    InputError, in one line, also when a frame is lost. A board that was restarted in between is set up again,
+    and the frame is sent once more.
+    """
 
     def load_map(self, grids: GridPair) -> None:
         """Rectifies by another map of the same size from now on; the board begins another session for it."""
@@ -169,45 +224,63 @@ class BoardEngine:
                     raise
                 self._configure(width, height)
                 words = self._frame(left, right)
-        return iter(split_levels(words, level_shapes(left.shape, self.parameters.levels)))
-
-    def _check_build(self) -> None:
-        wanted, found = self.parameters, self._build
-        if (found.num_disparities, found.block_size) != (wanted.num_disparities, wanted.block_size):
-            raise InputError(
-                self._culprit,
-                f"was built for {found.num_disparities} disparities and blocks of {found.block_size} px, "
-                f"stereo asks for {wanted.num_disparities} and {wanted.block_size}",
-            )
-        rows = self._grids.buffer_rows if self._grids else 0
-        if rows > found.rectify_rows:
-            raise InputError(
-                self._culprit,
-                f"was built with {found.rectify_rows} rows to rectify, stereo.rectify_rows asks for {rows}",
-            )
-
-    def _configure(self, width_px: int, height_px: int) -> None:
-        grids = (self._grids.left, self._grids.right) if self._grids is not None else ()
-        self._size = None
-        with self._reported():
-            self._client.configure(self.parameters, width_px, height_px, grids)
-        self._size = (width_px, height_px)
+        return iter(self._split(words, (height, width)))
 
     def _frame(self, left: Image, right: Image) -> Disparity:
         self._client.submit(left, right)
         return self._client.collect()
 
-    @contextmanager
-    def _reported(self, consequence: str = "") -> Iterator[None]:
-        """What fails becomes an InputError."""
-        try:
-            yield
-        except BoardError as error:
-            lib = self._lib
-            texts = {
-                lib.VISTA_ERROR_ADDRESS: "the name has no address",
-                lib.VISTA_ERROR_NO_ANSWER: f"no answer within {self._timeout_ms / 1000:g} s",
-                lib.VISTA_ERROR_CAPACITY: "the map needs more rows than its line buffer has",
-                lib.VISTA_ERROR_SIZE: "has no room for images or for a map of this size",
-            }
-            raise InputError(self._culprit, consequence + texts.get(error.status, str(error))) from None
+
+@dataclass(frozen=True)
+class CameraPair:
+    """What a board made of a pair of its cameras."""
+
+    number: int  # in the session, those that were lost included
+    t_ns: int  # when it began, on the board's clock
+    came_ns: int  # the same moment on this machine's time.monotonic_ns()
+    levels: tuple[Disparity, ...]  # words
+
+
+class BoardCameras(Board):
+    """The cameras of a board, whose words alone come."""
+
+    def __init__(
+        self,
+        parameters: EngineParameters,
+        address: str,
+        grids: GridPair | None = None,
+        timeout_ms: int = 1000 * DEFAULT_TIMEOUT_S,
+    ) -> None:
+        super().__init__(parameters, address, grids, timeout_ms, cameras=True)
+
+    def begin(self, width_px: int, height_px: int) -> None:
+        """Begins a session in which the board takes pairs of this size, from the next one on."""
+        self._size = None
+        self.check_size(width_px, height_px)
+        with self._reported():
+            self._client.start()
+
+    def receive(self) -> CameraPair | None:
+        """The next pair; None: none came in time, or none that was whole. InputError: the board is silent, or
+        has another session, as after it was restarted."""
+        assert self._size is not None
+        width, height = self._size
+        with self._reported():
+            try:
+                pair, words = self._client.receive()
+            except BoardError as error:
+                if error.status != self._lib.VISTA_ERROR_FRAME:
+                    raise
+                return None
+        levels = tuple(self._split(words, (height, width)))
+        return CameraPair(int(pair.number), int(pair.t_ns), int(pair.came_ns), levels)
+
+    @property
+    def lost(self) -> int:
+        """Pairs that were not received, and frames that found no partner."""
+        counts = self._client.counts
+        return int(counts.lost + counts.refused_left + counts.refused_right)
+
+    def close(self) -> None:
+        """Lets go of the board."""
+        self._client.close()

@@ -124,12 +124,12 @@ vista_status vista_board_start(vista_board *board) { return board ? stream_switc
 
 vista_status vista_board_stop(vista_board *board) { return board ? stream_switch(board, false) : VISTA_ERROR_ARGUMENT; }
 
-vista_status vista_board_receive(vista_board *board, int16_t *words, int64_t word_count, int64_t *number) {
-  if (!board || !words || !number) return VISTA_ERROR_ARGUMENT;
+vista_status vista_board_receive(vista_board *board, int16_t *words, int64_t word_count, vista_board_pair *pair) {
+  if (!board || !words || !pair) return VISTA_ERROR_ARGUMENT;
   if (board->session == 0) return VISTA_ERROR_SESSION;
   if (!board->cameras) return VISTA_ERROR_ORDER;
   if (word_count < board->layout.words) return VISTA_ERROR_MEMORY;
-  return stream_receive(board, words, number);
+  return stream_receive(board, words, pair);
 }
 
 vista_board_counts vista_board_count(const vista_board *board) {

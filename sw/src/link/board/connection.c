@@ -76,6 +76,11 @@ static void take_status(vista_board *board) {
     board->counts.refused_left += refused_since(left, status->refused_left);
     board->counts.refused_right += refused_since(right, status->refused_right);
   }
+  const uint32_t now = packet_field(in, body, WIRE_STATUS_NOW);
+  /* A session goes on counting where the board's counter goes round; each begins where that is. */
+  const int64_t passed_us = (int32_t)(now - (uint32_t)status->now_us);
+  status->now_us = board->session != 0 ? status->now_us + passed_us : (int64_t)now;
+  status->came_ns = connection_now_ns();
   status->refused_left = left;
   status->refused_right = right;
   for (uint32_t s = 0; s < WIRE_SLOTS; s++) {
@@ -83,6 +88,8 @@ static void take_status(vista_board *board) {
     status->slot[s].frame = packet_field(in, body, WIRE_STATUS_SLOT_0_FRAME + next);
     status->slot[s].state = packet_field(in, body, WIRE_STATUS_SLOT_0_STATE + next);
     status->slot[s].chunks = packet_field(in, body, WIRE_STATUS_SLOT_0_CHUNKS + next);
+    const uint32_t began = (WIRE_STATUS_SLOT_1_BEGAN - WIRE_STATUS_SLOT_0_BEGAN) * s + WIRE_STATUS_SLOT_0_BEGAN;
+    status->slot[s].began_us = status->now_us - (int64_t)(now - packet_field(in, body, began));
   }
   for (int32_t i = 0; i < BITMAP_WORDS; i++) status->bitmap[i] = packet_word(in, body + WIRE_STATUS_WORDS + i);
 }

@@ -25,6 +25,7 @@ typedef struct packet {
 
 typedef struct slot_status {
   uint32_t frame, state, chunks;
+  int64_t began_us; /* of the pair of the cameras, on the board's clock */
 } slot_status;
 
 /* The newest status that the board sent. */
@@ -33,6 +34,8 @@ typedef struct board_status {
   slot_status slot[WIRE_SLOTS];
   uint32_t frame; /* that the bitmap is of */
   uint32_t bitmap[BITMAP_WORDS];
+  int64_t now_us;  /* on the board's clock, which goes on where the counter of the board goes round */
+  int64_t came_ns; /* when the status came, on the clock of this machine */
 } board_status;
 
 struct vista_board {

@@ -8,7 +8,7 @@
 #include "link/board/session.h"
 #include "link/board/words.h"
 
-enum { PAUSE_NS = 200000 }; /* between two questions whether there is a frame */
+enum { PAUSE_NS = 200000 /* between two questions whether there is a frame */, NS_PER_US = 1000 };
 
 vista_status stream_switch(vista_board *board, bool on) {
   if (board->session == 0) return VISTA_ERROR_SESSION;
@@ -54,11 +54,14 @@ static vista_status wait_for_frame(vista_board *board, slot_status *over) {
   return status;
 }
 
-vista_status stream_receive(vista_board *board, int16_t *words, int64_t *number) {
+vista_status stream_receive(vista_board *board, int16_t *words, vista_board_pair *pair) {
   slot_status over;
   vista_status status = wait_for_frame(board, &over);
   if (status != VISTA_OK) return status;
-  *number = over.frame;
+  const board_status *const known = &board->status;
+  *pair = (vista_board_pair){.number = over.frame,
+                             .t_ns = NS_PER_US * over.began_us,
+                             .came_ns = known->came_ns - NS_PER_US * (known->now_us - over.began_us)};
   board->counts.lost += over.frame - board->next_frame;
   board->next_frame = over.frame + 1;
   status = over.state == WIRE_STATE_DONE ? words_fetch(board, over.frame, words) : VISTA_ERROR_FRAME;

@@ -7,7 +7,7 @@
 /* What vista_board_start and vista_board_stop do. */
 vista_status stream_switch(vista_board *board, bool on);
 
-/* Words of the next pair of the cameras, and its number. Pairs before it that were not received are lost. */
-vista_status stream_receive(vista_board *board, int16_t *words, int64_t *number);
+/* Words of the next pair of the cameras, and what is known of it. Pairs before it that were not received are lost. */
+vista_status stream_receive(vista_board *board, int16_t *words, vista_board_pair *pair);
 
 #endif
