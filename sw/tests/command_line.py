@@ -33,9 +33,10 @@ def assert_refused(outcome: Outcome, text: str) -> None:
 
 def lines_without_times(folder: Path) -> list[str]:
     """The bytes of obstacles.jsonl with nothing but the value of processing_ms taken out."""
-    lines = []
-    for line in (folder / "obstacles.jsonl").read_text().splitlines():
-        time = f'"processing_ms": {json.dumps(json.loads(line)["processing_ms"])}'
-        assert line.count(time) == 1
-        lines.append(line.replace(time, '"processing_ms": 0'))
-    return lines
+    return [without_time(line) for line in (folder / "obstacles.jsonl").read_text().splitlines()]
+
+
+def without_time(line: str) -> str:
+    time = f'"processing_ms": {json.dumps(json.loads(line)["processing_ms"])}'
+    assert line.count(time) == 1
+    return line.replace(time, '"processing_ms": 0')

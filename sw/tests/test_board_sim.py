@@ -8,6 +8,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -21,12 +22,14 @@ import pytest
 import sequence_cases as cases
 import wire
 from board_client import SETTINGS, BoardError, Client, golden, lib, random_pair, random_settings
-from command_line import Vista, call, lines_without_times
+from board_words import WordsAlone, raw_bytes, shown_pairs, written
+from command_line import Vista, call, lines_without_times, without_time
 from hostile_packets import Known, hostile_packets
 from random_seed import seeded
 from shared_data import REPOSITORY
 from vista.engine.rtl import VERILATOR
 
+LIVE_HZ = 600
 PROGRAM = Path("build/board/d16_b5_w320_r16/board-sim")
 CLOCKS = PROGRAM.with_name("board-clocks")
 TIMEOUT_MS = 20000
@@ -458,3 +461,39 @@ def test_run_gives_the_same_obstacles(
     lines = lines_without_times(tmp_path / "board")
     assert lines == lines_without_times(tmp_path / "golden")
     assert any(obstacle["confirmed"] for obstacle in json.loads(lines[-1])["obstacles"])
+
+
+def test_live_makes_obstacles_of_the_words_of_the_sensors(program: Path, tmp_path: Path) -> None:
+    """Each line is that of the words of the C model for the pair of its moment. A pair that a sensor spoilt
+    has none, and is a gap in the numbers."""
+    calibration, config = written(tmp_path)
+    pairs, expected = shown_pairs(4), WordsAlone(calibration, config)
+    file = tmp_path / "pairs.raw"
+    file.write_bytes(raw_bytes(pairs))
+    sensors = ["--width", "160", "--height", "120", "--pixel-mhz", "40", "--line-blanking", "80"]
+    sensors += [
+        "--faults",
+        "0.5",
+        "--rate",
+        str(LIVE_HZ),
+        "--sensor-seed",
+        str(seeded(2430).integers(1 << 30)),
+    ]
+    with simulated(program, "--pairs", str(file), *sensors) as board:
+        command = [sys.executable, "-m", "vista", "live", "--camera", f"board:127.0.0.1:{board.port}"]
+        command += ["--calibration", str(calibration), "--size-px", "160x120", "--config", str(config)]
+        command += ["--board-timeout", "60", "--no-page", "--out", "-"]
+        live = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        assert live.stdout is not None
+        numbers: list[int] = []
+        while len(numbers) < 3 or numbers[-1] - numbers[0] < len(numbers):
+            line = live.stdout.readline()
+            about = json.loads(line)
+            moment = moment_of(about["t_ns"], LIVE_HZ)
+            pair = pairs[moment % len(pairs)]
+            assert without_time(line.rstrip()) == expected.line(pair, about["frame"], about["t_ns"])
+            numbers.append(about["frame"])
+        live.send_signal(signal.SIGINT)
+        _, said = live.communicate(timeout=60)
+    assert (live.returncode, numbers) == (130, sorted(set(numbers)))
+    assert "image_missing" in line and "from the exposure to the result" in said

@@ -8,6 +8,17 @@ from pathlib import Path
 
 from vista import parameters
 from vista.engine import ENGINES, LR_OFF
+from vista.engine.board import DEFAULT_TIMEOUT_S
+
+
+def add_board_timeout(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--board-timeout",
+        type=positive,
+        default=DEFAULT_TIMEOUT_S,
+        metavar="S",
+        help="how long a board may be silent, or work at a frame (default 2; a simulated one needs more)",
+    )
 
 
 def add_config(parser: argparse.ArgumentParser) -> None:

@@ -6,7 +6,8 @@ processed: when the machine falls behind, older ones are dropped, and nothing qu
 http://127.0.0.1:8642/ and can be seen on this machine alone. Ctrl-C ends the run.
 
 DEVICE is a number or a path of V4L2 (0, /dev/video0), an address (rtsp://...) or a pipeline of GStreamer, as
-far as the installed OpenCV knows them; or oak[:SERIAL] or realsense[:SERIAL], which need no --calibration.
+far as the installed OpenCV knows them; or oak[:SERIAL] or realsense[:SERIAL], which need no --calibration; or
+board:HOST[:PORT], the two sensors of a board, which matches their pairs itself: words come, and no images.
 
 TARGET is one of:
   udp:HOST:PORT         where the autopilot, its simulator or a MAVLink router listens
@@ -17,13 +18,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from vista import parameters
-from vista.chain import make_chain
-from vista.command.arguments import add_config, add_engine, load_parameters, positive
+from vista.chain import Chain, make_chain
+from vista.command.arguments import add_board_timeout, add_config, add_engine, load_parameters, positive
 from vista.command.mavlink import sent_messages
 from vista.command.run import frame_range, select_frames
 from vista.command.source_arguments import (
@@ -35,6 +37,7 @@ from vista.command.source_arguments import (
 )
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.interruption import Interruption
+from vista.live.board import BoardSource, is_board
 from vista.live.camera import PAIR_TOLERANCE_MS
 from vista.live.listeners import Autopilot, Lines
 from vista.live.loop import Listener, LiveLoop, Totals
@@ -50,6 +53,8 @@ from vista.sequence.pairs import read_calibration_file, read_size_px, read_table
 from vista.sequence.text import finite
 
 PAGE_PORT = 8642
+
+Opened = tuple[Sequence, Callable[[Chain], Source]]  # what is known of a source, and what makes it
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -83,6 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--frames", type=frame_range, metavar="A:B", help="play frames A to B - 1 alone")
     add_engine(parser, "golden: the engine's C model; opencv: StereoBM, for comparison")
+    add_board_timeout(parser)
     parser.add_argument(
         "--threads", type=positive, default=1, metavar="N", help="threads of the engine (default 1)"
     )
@@ -106,11 +112,11 @@ def execute(arguments: argparse.Namespace) -> int:
     check_source(arguments)
     values = load_parameters(arguments.config, arguments.engine)
     with ExitStack() as open_ones:
-        recorded, source = open_camera(arguments, open_ones) if arguments.camera else open_replay(arguments)
+        recorded, source_of = open_source(arguments, open_ones)
         for note in recorded.notes:
             print(f"{recorded.name}: note: {note}", file=sys.stderr)
         chain = make_chain(recorded, arguments.engine, values, arguments.threads, every_pair=False)
-        loop = LiveLoop(chain, source)
+        loop = LiveLoop(chain, source_of(chain))
         listeners, autopilot = make_listeners(arguments, values, loop, open_ones)
         interruption = Interruption()
         try:
@@ -139,17 +145,52 @@ def check_source(arguments: argparse.Namespace) -> None:
             raise InputError(f"--{name}", "goes with a recording, not with --camera")
     if arguments.calibration is None and not is_stereo_camera(arguments.camera[0]):
         raise InputError("--camera", "needs --calibration FILE.toml")
+    if is_board(arguments.camera[0]):
+        check_board(arguments)
 
 
-def open_replay(arguments: argparse.Namespace) -> tuple[Sequence, Source]:
+def check_board(arguments: argparse.Namespace) -> None:
+    """Raises InputError for what a board does by itself."""
+    board, *others = arguments.camera
+    if others:
+        raise InputError(others[0], f"{board} has both sensors by itself")
+    own = {"pair-tolerance-ms": None, "engine": "golden", "threads": 1}
+    for name, unsaid in own.items():
+        if getattr(arguments, name.replace("-", "_")) != unsaid:
+            raise InputError(f"--{name}", f"{board} pairs and matches by itself")
+
+
+def open_source(arguments: argparse.Namespace, open_ones: ExitStack) -> Opened:
+    if arguments.camera is None:
+        return open_replay(arguments)
+    if is_board(arguments.camera[0]):
+        return open_board(arguments, open_ones)
+    return open_camera(arguments, open_ones)
+
+
+def open_replay(arguments: argparse.Namespace) -> Opened:
     recorded = open_sequence(arguments.sequence, source_options(arguments))
     if recorded.stills:
         raise InputError(arguments.sequence, "stills, which show unrelated scenes: use vista run")
     frames = select_frames(recorded, arguments.frames)
-    return recorded, Replay(recorded, frames, arguments.speed, arguments.repeat)
+    return recorded, lambda _: Replay(recorded, frames, arguments.speed, arguments.repeat)
 
 
-def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> tuple[Sequence, Source]:
+def open_board(arguments: argparse.Namespace, open_ones: ExitStack) -> Opened:
+    name, path = arguments.camera[0], arguments.calibration
+    size_px = arguments.size_px or read_size_px(path, read_table(path))
+    if size_px is None:
+        raise InputError("--size-px", f"is needed: neither {path} nor {name} says how large the images are")
+
+    def source_of(chain: Chain) -> Source:
+        source = BoardSource(name, chain, arguments.board_timeout)
+        open_ones.callback(source.close)
+        return source
+
+    return Sequence(name, "camera", read_calibration_file(path, size_px).calibration, ()), source_of
+
+
+def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> Opened:
     path = arguments.calibration
     asked = None if path is None else read_size_px(path, read_table(path))
     cameras = open_cameras(arguments, asked)
@@ -158,7 +199,7 @@ def open_camera(arguments: argparse.Namespace, open_ones: ExitStack) -> tuple[Se
         calibration = cameras.calibration
     else:
         calibration = read_calibration_file(path, cameras.size_px).calibration
-    return Sequence(" and ".join(arguments.camera), "camera", calibration, ()), cameras
+    return Sequence(" and ".join(arguments.camera), "camera", calibration, ()), lambda _: cameras
 
 
 def make_listeners(

@@ -26,10 +26,9 @@ import numpy as np
 
 from vista import parameters
 from vista.chain import Chain, fitted_to, make_chain
-from vista.command.arguments import add_config, add_engine, load_parameters, positive
+from vista.command.arguments import add_board_timeout, add_config, add_engine, load_parameters, positive
 from vista.command.source_arguments import add_source, source_options
 from vista.engine import REMOTE_ENGINES
-from vista.engine.board import DEFAULT_TIMEOUT_S
 from vista.engine.rtl import DEFAULT_WIDTH_PX
 from vista.errors import EXIT_INTERRUPTED, EXIT_OK, InputError
 from vista.health.alignment_summary import summarize_alignment
@@ -61,13 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         REMOTE_ENGINES,
     )
     parser.add_argument("--address", metavar="HOST[:PORT]", help="where the board is, for --engine board")
-    parser.add_argument(
-        "--board-timeout",
-        type=positive,
-        default=DEFAULT_TIMEOUT_S,
-        metavar="S",
-        help="how long the board may be silent, or work at a frame (default 2; a simulated one needs more)",
-    )
+    add_board_timeout(parser)
     parser.add_argument(
         "--rtl-width",
         type=positive,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from vista.command.arguments import image_size, not_negative
 from vista.errors import InputError
+from vista.live.board import is_board
 from vista.live.camera import PAIR_TOLERANCE_MS, Cameras, Capture
 from vista.live.stereo_camera import StereoCamera, is_stereo_camera
 from vista.sequence.options import BY_ODOMETRY, FRAME_OF_LEFT_CAMERA, NO_POSES, SPLITS, Options
@@ -106,6 +107,8 @@ def open_cameras(
     that do not open or deliver."""
     if len(arguments.camera) > 2:
         raise InputError("--camera", f"takes one device or two, not {len(arguments.camera)}")
+    if is_board(arguments.camera[0]):
+        raise InputError(arguments.camera[0], "gives words and no images, which vista live takes alone")
     if is_stereo_camera(arguments.camera[0]):
         if len(arguments.camera) > 1:
             raise InputError(arguments.camera[1], f"{arguments.camera[0]} delivers both views by itself")
