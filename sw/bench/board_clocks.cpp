@@ -167,8 +167,9 @@ void stream(vista_board *board, const Options &options, std::vector<int16_t> *wo
   for (int frame = 0; frame < options.frames; ++frame) {
     vista_board_pair pair;
     check(vista_board_receive(board, words->data(), static_cast<int64_t>(words->size()), &pair));
-    std::printf("frame %lld %lld %lld %lld\n", static_cast<long long>(pair.number), static_cast<long long>(host->clocks()),
-                static_cast<long long>(pair.t_ns), static_cast<long long>(pair.came_ns));
+    std::printf("frame %lld %lld %lld %lld\n", static_cast<long long>(pair.number),
+                static_cast<long long>(host->clocks()), static_cast<long long>(pair.t_ns),
+                static_cast<long long>(pair.came_ns));
     file.write(reinterpret_cast<const char *>(words->data()), static_cast<std::streamsize>(2 * words->size()));
   }
   check(vista_board_stop(board));

@@ -72,11 +72,11 @@ class WordsAlone:
         self._matching, self.chain = chain_of(calibration, config), chain_of(calibration, config)
         self._time_ns = 0
 
-    def line(self, pair: Pair, number: int, t_ns: int) -> str:
+    def line(self, pair: Pair, number: int, t_ns: int, restarts: bool = False) -> str:
         """The line of a pair with this number and time, without what it took."""
         words = self.words(pair)
         frame = Frame(number, t_ns, *pair, None, tuple(words))
-        take(self.chain, frame)
+        take(self.chain, frame, restarts)
         return without_time(obstacle_line(finish(self.chain, frame, StageClock()).record))
 
     def words(self, pair: Pair) -> list[NDArray[np.int16]]:

@@ -183,7 +183,7 @@ def test_parameters_travel_in_the_file(tmp_path: Path, prepared: Path) -> None:
     [
         (["--shared", "x"], "--rig: is needed"),
         (["--rig", "x", "--recording", "x"], "--rig: is not needed"),
-        (["--rig", "x"], "takes one of --camera, --shared and --recording"),
+        (["--rig", "x"], "takes one of --camera, --shared, --board and --recording"),
         (["--rig", "x", "--recording", "x", "--shared", "x"], "takes one of"),
         (["--recording", "/nowhere"], "/nowhere: no such file or directory"),
         (["--wrong"], "--wrong: no such option"),

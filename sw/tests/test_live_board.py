@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import socket
 from collections.abc import Iterator
 from functools import partial
@@ -14,8 +15,11 @@ from board_engine import Build, EngineModel
 from board_model import BoardModel, Link, running
 from board_words import WordsAlone, chain_of, shown_pairs, written
 from command_line import Vista, assert_refused, call, without_time
+from fly_process import fly, start
+from live_process import until
 from random_seed import seeded
 from vista.chain import finish, take
+from vista.cli import main
 from vista.health.finding import Reason
 from vista.history import StageClock
 from vista.live import board as live_board
@@ -151,3 +155,59 @@ def test_what_cannot_be_received_takes_one_line(
     recorded = ("record", "--camera", name, "--calibration", calibration, "--out", config.with_name("out"))
     assert_refused(vista(*recorded), "gives words and no images")
     silent.close()
+
+
+# ---- vista-fly ----
+
+
+def prepared(calibration: Path, config: Path, name: str) -> Path:
+    """The rig for vista-fly."""
+    folder = calibration.with_name(name)
+    described = ["--calibration", calibration, "--size-px", "160x120", "--config", config, "--out", folder]
+    assert main(["prepare", *map(str, described)]) == 0
+    return folder / "rig.vista"
+
+
+def test_vista_fly_writes_the_same_lines(board: BoardModel, files: tuple[Path, Path]) -> None:
+    """Pair 1 has no room, and before the last one the board is restarted."""
+    pairs, expected, rig = shown_pairs(3), WordsAlone(*files), prepared(*files, "rig")
+    file, lines = rig.with_name("lines.jsonl"), []
+    program = start("--rig", rig, "--board", f"127.0.0.1:{board.port}", "--out", file)
+    until(lambda: board.streams)
+    for k, pair in enumerate(pairs):
+        if k == 2:
+            board.restart()
+        board.next_pair += k == 1
+        number = board.next_pair
+        board.shown = [pixels_of(pair)]
+        until(lambda: file.exists() and file.read_text().count("\n") > len(lines))
+        lines.append(expected.line(pair, number, 1000 * board.began_us[number], restarts=k == 2))
+    program.send_signal(signal.SIGTERM)
+    said = program.communicate(timeout=30)[1]
+    assert program.returncode == 130
+    assert [without_time(line) for line in file.read_text().splitlines()] == lines
+    assert "3 frames processed, 1 dropped" in said
+    assert "trying to set it up again" in said and ": back" in said
+
+
+def test_vista_fly_refuses_in_one_line(board: BoardModel, files: tuple[Path, Path]) -> None:
+    calibration, config = files
+    exact = config.with_name("exact.toml")
+    exact.write_text(config.read_text().replace("rectify_rows = 16", "rectify_rows = 0"))
+    rigs = prepared(calibration, config, "rig"), prepared(calibration, exact, "exact")
+
+    def refused(text: str, address: str = f"127.0.0.1:{board.port}", rig: Path = rigs[0]) -> None:
+        run = fly("--rig", rig, "--board", address)
+        assert (run.returncode, run.stdout) == (2, "")
+        assert run.stderr.splitlines()[-1].startswith("vista-fly: ") and text in run.stderr.splitlines()[-1]
+
+    for address in ("127.0.0.1:x", ":1", "127.0.0.1:65536"):
+        refused("is not HOST or HOST:PORT", address)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
+        silent.bind(("127.0.0.1", 0))
+        refused("the board does not answer", f"127.0.0.1:{silent.getsockname()[1]}")
+    refused("stereo.rectify_rows of the rig is 0", rig=rigs[1])
+    board.engine.build = Build(num_disparities=32)
+    refused("was built for 32 disparities and blocks of 5 px, the rig for 16 and 5")
+    board.cameras = 0
+    refused("was built without sensors of its own")

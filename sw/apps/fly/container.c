@@ -174,9 +174,11 @@ static bool read_all(container *c, problem *p) {
   if (!check_head(c, &h, p)) return false;
   set_rig(c, &h);
   if (!read_parameters(c, h.parameters, p) || !read_tables(c, h.tables, p)) return false;
-  if (c->has_words) c->words = words_of(&c->rig.camera, c->parameters.stereo.levels);
+  if (c->has_words) c->words = container_words_of_pair(c);
   return count_frames(c, p);
 }
+
+size_t container_words_of_pair(const container *c) { return words_of(&c->rig.camera, c->parameters.stereo.levels); }
 
 bool container_open(container *c, const char *path, problem *p) {
   *c = (container){.path = path, .stream = fopen(path, "rb")};

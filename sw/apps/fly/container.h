@@ -32,6 +32,9 @@ typedef struct container {
 bool container_open(container *c, const char *path, problem *p);
 void container_close(container *c);
 
+/* The words of all levels of a pair of this rig. */
+size_t container_words_of_pair(const container *c);
+
 /* The first frame is the next. */
 bool container_rewind(container *c, problem *p);
 

@@ -1,6 +1,7 @@
 #include "flight.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,7 @@
 #include "vista/frontend.h"
 
 #define TAKE_NS (100 * FLY_MS)
+#define BOARD_MS 1000.0 /* that a board may be silent, and less than the guard waits for it */
 #define LARGE_PAGE_BYTES ((size_t)1 << 21)
 
 static bool open_source(flight *f, problem *p) {
@@ -20,7 +22,8 @@ static bool open_source(flight *f, problem *p) {
   s->box = &f->box;
   s->width_px = f->file.rig.camera.width_px;
   s->height_px = f->file.rig.camera.height_px;
-  if (!mailbox_make(&f->box, s->width_px * s->height_px, f->file.words, o->all_frames))
+  const size_t words = o->board != NULL ? container_words_of_pair(&f->file) : f->file.words;
+  if (!mailbox_make(&f->box, s->width_px * s->height_px, words, o->all_frames))
     return problem_say(p, "rig", "out of memory");
   if (o->recording != NULL) {
     const int64_t passes = o->passes > 0.0 ? (int64_t)o->passes : 1;
@@ -28,6 +31,8 @@ static bool open_source(flight *f, problem *p) {
            (o->times == NULL || times_make(&f->times, passes * f->file.frames, p));
   }
   if (o->shared != NULL) return source_open_shared(s, o->shared, p);
+  if (o->board != NULL)
+    return source_open_board(s, o->board, &f->file, (int32_t)fmin(BOARD_MS, o->watchdog_s * BOARD_MS / 3.0), p);
   return source_open_cameras(s, o->camera, o->camera_count, (int64_t)(o->pair_tolerance_ms * FLY_MS), p);
 }
 
@@ -76,8 +81,9 @@ static void *read_frames(void *context) {
 /* Whether a frame is to be judged: not one that repeats what was seen before. */
 static vista_status take(flight *f, const shot *s, bool *judged) {
   const int32_t width = f->source.width_px, height = f->source.height_px;
-  const vista_detector_pair pair = {.left = {s->left, width, height, width},
-                                    .right = {s->left_alone ? NULL : s->right, width, height, width},
+  const vista_image none = {0}, left = {s->left, width, height, width}, right = {s->right, width, height, width};
+  const vista_detector_pair pair = {.left = s->words_alone ? none : left,
+                                    .right = s->words_alone || s->left_alone ? none : right,
                                     .t_ns = s->t_ns,
                                     .rectified = s->matched,
                                     .restarts = !s->continues};
@@ -102,12 +108,12 @@ static placement place_of(flight *f, const shot *s) {
 
 static void say(const problem *p, const char *more) { dprintf(STDERR_FILENO, "vista-fly: %s%s\n", p->line, more); }
 
-/* Matches with the engine in C, or takes the words that a recording holds. */
+/* Matches with the engine in C, or takes the words that a recording holds or a board sent. */
 static vista_status match(flight *f, const shot *s) {
   vista_disparity_image words[1 + VISTA_COARSER_LEVELS];
   const int16_t *at = s->words;
   int32_t width = f->source.width_px, height = f->source.height_px;
-  if (!s->matched) return vista_detector_match(f->detector, NULL);
+  if (!s->matched && !s->words_alone) return vista_detector_match(f->detector, NULL);
   for (int32_t level = 0; level < f->file.parameters.stereo.levels; ++level) {
     words[level] = (vista_disparity_image){at, width, height, width};
     at += (ptrdiff_t)width * height;

@@ -21,6 +21,7 @@ typedef struct shot {
   bool anew;             /* poses begin anew */
   bool matched;          /* the pair is rectified, its pose is of the rectified left camera, and there are words */
   bool left_alone;       /* there is no right image */
+  bool words_alone;      /* there is neither, and there are words */
   uint8_t *left, *right; /* height * width, in memory of the mailbox */
   int16_t *words;        /* of all levels, where there are any */
 } shot;

@@ -13,6 +13,7 @@ const char *const options_help =
     "SOURCE is one of:\n"
     "  --camera DEVICE [DEVICE]  left and right camera of V4L2, or one whose picture holds both views side by side\n"
     "  --shared NAME          frames that another process shares (vista/shared_frames.h)\n"
+    "  --board HOST[:PORT]    the sensors of a board, which matches their pairs: words come, and no images\n"
     "  --recording FILE       frames.vista of `vista prepare`, as fast as they were taken, or what `vista run "
     "--record`\n"
     "                         wrote\n"
@@ -93,8 +94,9 @@ static bool take(int argc, char *const *argv, int *at, options *o, double *liste
   const char *poses = NULL, *goal = NULL, *const name = argv[*at];
   const named_text texts[] = {{"--rig", &o->rig},     {"--recording", &o->recording},
                               {"--times", &o->times}, {"--shared", &o->shared},
-                              {"--to", &o->to},       {"--out", &o->out},
-                              {"--goal", &goal},      {"--poses", &poses}};
+                              {"--board", &o->board}, {"--to", &o->to},
+                              {"--out", &o->out},     {"--goal", &goal},
+                              {"--poses", &poses}};
   const named_number numbers[] = {{"--pose-delay-ms", 0.0, 1000.0, &o->pose_delay_ms},
                                   {"--pair-tolerance-ms", 0.0, 1000.0, &o->pair_tolerance_ms},
                                   {"--watchdog", 0.5, 3600.0, &o->watchdog_s},
@@ -124,7 +126,7 @@ static bool take(int argc, char *const *argv, int *at, options *o, double *liste
 }
 
 static bool check(const options *o, problem *p) {
-  const int sources = (o->recording != NULL) + (o->shared != NULL) + (o->camera_count > 0);
+  const int sources = (o->recording != NULL) + (o->shared != NULL) + (o->board != NULL) + (o->camera_count > 0);
   const char *const of_recordings = o->repeat          ? "--repeat"
                                     : o->all_frames    ? "--all-frames"
                                     : o->times != NULL ? "--times"
@@ -132,7 +134,7 @@ static bool check(const options *o, problem *p) {
                                     : o->passes > 0.0  ? "--passes"
                                     : o->threads > 0.0 ? "--threads"
                                                        : NULL;
-  if (sources != 1) return problem_say(p, "vista-fly", "takes one of --camera, --shared and --recording");
+  if (sources != 1) return problem_say(p, "vista-fly", "takes one of --camera, --shared, --board and --recording");
   if (o->rig == NULL && o->recording == NULL)
     return problem_say(p, "--rig", "is needed: vista prepare makes it (see vista-fly --help)");
   if (o->rig != NULL && o->recording != NULL)

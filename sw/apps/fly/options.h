@@ -12,7 +12,7 @@ typedef enum options_want { OPTIONS_FLY = 0, OPTIONS_HELP, OPTIONS_VERSION } opt
 /* Texts lead into the command line; null: not given. */
 typedef struct options {
   options_want want;
-  const char *rig, *recording, *shared, *camera[2], *to, *out, *times;
+  const char *rig, *recording, *shared, *board, *camera[2], *to, *out, *times;
   int camera_count;
   bool poses_from_mavlink, repeat, all_frames;
   bool has_goal;

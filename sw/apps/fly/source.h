@@ -1,4 +1,4 @@
-/* Sources of raw pairs: a recording of `vista prepare`, shared memory, or cameras. A source is opened, run in a
+/* Sources of raw pairs: a recording of `vista prepare`, shared memory, cameras, or a board with sensors, of which words come. A source is opened, run in a
  * thread of its own, and closed. While it runs it takes no memory. */
 #ifndef VISTA_FLY_SOURCE_H
 #define VISTA_FLY_SOURCE_H
@@ -38,6 +38,10 @@ bool source_open_recording(source *s, container *c, int64_t passes, int64_t fram
 
 /* Frames that another process shares, as vista/shared_frames.h describes. It may come later, and go and come back. */
 bool source_open_shared(source *s, const char *name, problem *p);
+
+/* The sensors of a board, HOST or HOST:PORT, which matches their pairs as the rig of the container says. silent_ms:
+ * after which the board counts as lost. */
+bool source_open_board(source *s, const char *name, const container *c, int32_t silent_ms, problem *p);
 
 /* Cameras of V4L2: one whose picture holds both views side by side, or a left and a right one. */
 bool source_open_cameras(source *s, const char *const *devices, int count, int64_t tolerance_ns, problem *p);
