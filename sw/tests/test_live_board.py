@@ -62,7 +62,9 @@ def test_words_become_the_lines_of_the_c_model(board: BoardModel, files: tuple[P
         assert shot.frame.t_ns == 1000 * board.began_us[number] and shot.continues
         assert 0 <= shot.exposed_ns - board.began_ns[number] < 1_000_000_000
         take(chain, shot.frame)
-        record = finish(chain, shot.frame, StageClock()).record
+        step = finish(chain, shot.frame, StageClock()).keep()
+        record = step.record
+        assert not step.frame.left.any() and not step.frame.right.any()
         line = without_time(obstacle_line(record))
         assert line == expected.line(pairs[number], number, shot.frame.t_ns)
         assert {Reason.IMAGE_MISSING, Reason.MOTION_UNKNOWN} <= set(record.health.reasons)
@@ -202,7 +204,8 @@ def test_vista_fly_refuses_in_one_line(board: BoardModel, files: tuple[Path, Pat
         assert run.stderr.splitlines()[-1].startswith("vista-fly: ") and text in run.stderr.splitlines()[-1]
 
     for address in ("127.0.0.1:x", ":1", "127.0.0.1:65536"):
-        refused("is not HOST or HOST:PORT", address)
+        refused("is not ADDRESS or ADDRESS:PORT", address)
+    refused("the host has no address", "board.example:1")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
         silent.bind(("127.0.0.1", 0))
         refused("the board does not answer", f"127.0.0.1:{silent.getsockname()[1]}")

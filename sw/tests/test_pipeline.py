@@ -57,7 +57,7 @@ def test_of_more_things_than_are_followed_the_nearest_are_and_it_is_said() -> No
 
 
 def test_words_without_an_image_tell_of_the_board() -> None:
-    """As words with a black image do, but for the health: that of what was not looked at is not known."""
+    """Compares them with words that have a black image: all but the health is the same."""
     alone, black = Pipeline(), Pipeline()
     for k, source in enumerate(board_flight()):
         frame, dark = Frame(source), Frame(replace(source, left=np.zeros_like(source.left)))

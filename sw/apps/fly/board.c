@@ -119,7 +119,7 @@ static void close_board(source *s) {
   free(own);
 }
 
-/* HOST or HOST:PORT. */
+/* ADDRESS or ADDRESS:PORT. */
 static bool split(const char *name, char host[HOST_BYTES], int32_t *port) {
   const size_t length = strcspn(name, ":");
   char *end = NULL;
@@ -145,7 +145,7 @@ bool source_open_board(source *s, const char *name, const container *c, int32_t 
   if (own->memory == NULL) return problem_say(p, name, "out of memory");
   char host[HOST_BYTES];
   int32_t port;
-  if (!split(name, host, &port)) return problem_say(p, name, "is not HOST or HOST:PORT");
+  if (!split(name, host, &port)) return problem_say(p, name, "is not ADDRESS or ADDRESS:PORT");
   vista_status status = vista_board_connect(own->memory, vista_board_bytes(), host, port, silent_ms, &own->board);
   if (status == VISTA_OK && !fits(own, c, p)) return false;
   if (status == VISTA_OK) status = begin(own);

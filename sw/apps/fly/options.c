@@ -13,7 +13,7 @@ const char *const options_help =
     "SOURCE is one of:\n"
     "  --camera DEVICE [DEVICE]  left and right camera of V4L2, or one whose picture holds both views side by side\n"
     "  --shared NAME          frames that another process shares (vista/shared_frames.h)\n"
-    "  --board HOST[:PORT]    the sensors of a board, which matches their pairs: words come, and no images\n"
+    "  --board ADDRESS[:PORT] the sensors of a board, which matches their pairs: words come, and no images\n"
     "  --recording FILE       frames.vista of `vista prepare`, as fast as they were taken, or what `vista run "
     "--record`\n"
     "                         wrote\n"

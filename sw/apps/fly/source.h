@@ -39,7 +39,7 @@ bool source_open_recording(source *s, container *c, int64_t passes, int64_t fram
 /* Frames that another process shares, as vista/shared_frames.h describes. It may come later, and go and come back. */
 bool source_open_shared(source *s, const char *name, problem *p);
 
-/* The sensors of a board, HOST or HOST:PORT, which matches their pairs as the rig of the container says. silent_ms:
+/* The sensors of a board, ADDRESS or ADDRESS:PORT, which matches their pairs as the rig of the container says. silent_ms:
  * after which the board counts as lost. */
 bool source_open_board(source *s, const char *name, const container *c, int32_t silent_ms, problem *p);
 

@@ -87,9 +87,10 @@ VISTA_API size_t vista_board_bytes(void);
 
 /* Opens the way to a board in the memory given, which may have any alignment, and asks the board for an answer.
  *
- * timeout_ms: silence after which a function gives up, from 1 on.
+ * host: an IPv4 address, or localhost: names are not looked up. timeout_ms: silence after which a function gives up, from
+ * 1 on.
  *
- * - VISTA_ERROR_ADDRESS: the host has no address, or the system gives no socket.
+ * - VISTA_ERROR_ADDRESS: the host is no address, or the system gives no socket.
  * - VISTA_ERROR_NO_ANSWER: nobody answers there.
  * - VISTA_ERROR_BOARD: what answers speaks another version of the protocol.
  * - VISTA_ERROR_MEMORY: there are too few bytes.

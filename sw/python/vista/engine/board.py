@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -44,8 +45,12 @@ class BoardClient:
         memory = self._ffi.new("char[]", self._lib.vista_board_bytes())
         disconnect = self._lib.vista_board_disconnect
         handle = self._ffi.new("vista_board **")
+        try:
+            address = socket.gethostbyname(host)
+        except OSError:
+            address = host  # which the library refuses
         self._check(
-            self._lib.vista_board_connect(memory, len(memory), host.encode(), port, timeout_ms, handle)
+            self._lib.vista_board_connect(memory, len(memory), address.encode(), port, timeout_ms, handle)
         )
         # The destructor holds the memory: what an object refers to is freed in any order.
         self._board = self._ffi.gc(handle[0], lambda board, memory=memory: disconnect(board))

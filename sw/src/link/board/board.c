@@ -1,9 +1,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "vista/board.h"
 
-#include <netdb.h>
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <stdalign.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -24,18 +24,12 @@ size_t vista_board_bytes(void) { return sizeof(vista_board) + alignof(vista_boar
 
 /* A socket that speaks with nobody but this host; -1: none. */
 static int open_socket(const char *host, int32_t port) {
-  char service[8];
-  snprintf(service, sizeof service, "%d", (int)port);
-  const struct addrinfo hints = {.ai_family = AF_INET, .ai_socktype = SOCK_DGRAM};
-  struct addrinfo *found = NULL;
-  if (getaddrinfo(host, service, &hints, &found) != 0) return -1;
-  int fd = socket(found->ai_family, found->ai_socktype, found->ai_protocol);
-  if (fd >= 0 && connect(fd, found->ai_addr, found->ai_addrlen) != 0) {
-    close(fd);
-    fd = -1;
-  }
-  freeaddrinfo(found);
-  return fd;
+  struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
+  if (inet_pton(AF_INET, strcmp(host, "localhost") == 0 ? "127.0.0.1" : host, &to.sin_addr) != 1) return -1;
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  if (fd < 0 || connect(fd, (const struct sockaddr *)&to, sizeof to) == 0) return fd;
+  close(fd);
+  return -1;
 }
 
 vista_status vista_board_connect(void *memory, size_t bytes, const char *host, int32_t port, int32_t timeout_ms,
