@@ -30,7 +30,7 @@ from random_seed import seeded
 pytestmark = pytest.mark.slow
 
 
-ROUND_S = 0.4  # until the counter of the board's time goes round
+ROUND_S = 0.25  # until the counter of the board's time goes round
 
 
 @contextmanager

@@ -109,8 +109,8 @@ def test_a_board_that_was_restarted_is_set_up_again(
 def test_sensors_that_show_nothing_are_told_of(
     board: BoardModel, files: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    source = BoardSource(name_of(board), chain_of(*files), timeout_s=1)
-    later = Timer(1.2, lambda: board.shown.append(pixels_of(shown_pairs(1)[0])))
+    source = BoardSource(name_of(board), chain_of(*files), timeout_s=0.2)
+    later = Timer(0.5, lambda: board.shown.append(pixels_of(shown_pairs(1)[0])))
     later.start()
     (shot,) = taken(source, board, 1)
     source.close()
@@ -199,7 +199,7 @@ def test_vista_fly_refuses_in_one_line(board: BoardModel, files: tuple[Path, Pat
     rigs = prepared(calibration, config, "rig"), prepared(calibration, exact, "exact")
 
     def refused(text: str, address: str = f"127.0.0.1:{board.port}", rig: Path = rigs[0]) -> None:
-        run = fly("--rig", rig, "--board", address)
+        run = fly("--rig", rig, "--board", address, "--watchdog", 0.6)
         assert (run.returncode, run.stdout) == (2, "")
         assert run.stderr.splitlines()[-1].startswith("vista-fly: ") and text in run.stderr.splitlines()[-1]
 

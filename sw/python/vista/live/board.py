@@ -26,7 +26,7 @@ def is_board(name: str) -> bool:
 class BoardSource:
     """A source of a live run. A board that is lost, or was restarted, is set up again until it answers."""
 
-    def __init__(self, name: str, chain: Chain, timeout_s: int = DEFAULT_TIMEOUT_S) -> None:
+    def __init__(self, name: str, chain: Chain, timeout_s: float = DEFAULT_TIMEOUT_S) -> None:
         """name: board:HOST[:PORT]; timeout_s: how long the board may be silent. InputError when it does not
         answer, has no sensors or was built for other parameters, and where its pairs would not be
         rectified."""
@@ -44,7 +44,7 @@ class BoardSource:
         self._using = Lock()  # of the board: one thread at a time
         address, parameters = name.removeprefix(PREFIX), chain.engine.parameters
         try:
-            self._board = BoardCameras(parameters, address, self._rectifier.grids, 1000 * timeout_s)
+            self._board = BoardCameras(parameters, address, self._rectifier.grids, int(1000 * timeout_s))
             self._board.begin(*self._size)
         except ValueError as error:
             raise InputError(name, str(error)) from None
