@@ -1,5 +1,5 @@
-/* Sources of raw pairs: a recording of `vista prepare`, shared memory, cameras, or a board with sensors, of which words come. A source is opened, run in a
- * thread of its own, and closed. While it runs it takes no memory. */
+/* Sources of raw pairs: a recording of `vista prepare`, shared memory or cameras; or a board with sensors of its own, of which
+ * words come. A source is opened, run in a thread of its own, and closed. While it runs it takes no memory. */
 #ifndef VISTA_FLY_SOURCE_H
 #define VISTA_FLY_SOURCE_H
 
