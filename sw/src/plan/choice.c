@@ -5,6 +5,7 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "plan/angles.h"
 #include "plan/primitives.h"
 #include "plan/way_field.h"
 
@@ -92,13 +93,13 @@ static double azimuth_deg(const vista_plan_space *space, const double direction[
   double ahead[3], right[3], camera[3];
   vista_frame_level_axes(space->directions.up_camera, ahead, right);
   vista_frame_direction_to_camera(&frame->motion.pose, direction, camera);
-  return VISTA_DEGREES_PER_RADIAN * atan2(vista_dot(camera, right), vista_dot(camera, ahead));
+  return VISTA_DEGREES_PER_RADIAN * vista_plan_angle(vista_dot(camera, right), vista_dot(camera, ahead));
 }
 
 static bool is_in_view(const vista_plan_space *space, double angle_deg) {
   const vista_camera *const camera = space->seen.frame->camera;
   if (!(fabs(angle_deg) < 89.0)) return false;
-  const double u_px = camera->center_u_px + camera->focal_px * tan(angle_deg * VISTA_RADIANS_PER_DEGREE);
+  const double u_px = camera->center_u_px + camera->focal_px * vista_plan_tangent(angle_deg * VISTA_RADIANS_PER_DEGREE);
   return u_px >= 0.0 && u_px <= camera->width_px - 1.0;
 }
 
@@ -113,7 +114,8 @@ static bool ask_columns(const vista_plan_space *space, double angle_deg, double 
     if (d->blocked_m[k] > 0.0f || d->free_m[k] >= found->free_m) continue;
     *found = (freedom){.free_m = d->free_m[k], .ends = VISTA_PLAN_BY_UNKNOWN};
   }
-  const double c = cos(angle_deg * VISTA_RADIANS_PER_DEGREE), s = sin(angle_deg * VISTA_RADIANS_PER_DEGREE);
+  double c, s;
+  vista_plan_sine_cosine(angle_deg * VISTA_RADIANS_PER_DEGREE, &s, &c);
   for (int32_t k = 0; k < space->blocked_count; ++k) {
     const double *const at_m = space->blocked_m[k];
     const double along_m = c * at_m[0] + s * at_m[1], aside_m = c * at_m[1] - s * at_m[0];
@@ -130,8 +132,8 @@ void vista_plan_take_directions(vista_plan_space *space, const vista_directions 
     if (!(directions->blocked_m[k] > 0.0f)) continue;
     const double azimuth = (VISTA_DIRECTIONS_FIRST_DEG + k + 0.5) * VISTA_RADIANS_PER_DEGREE;
     double *const at_m = space->blocked_m[space->blocked_count++];
-    at_m[0] = directions->blocked_m[k] * cos(azimuth);
-    at_m[1] = directions->blocked_m[k] * sin(azimuth);
+    vista_plan_sine_cosine(azimuth, &at_m[1], &at_m[0]);
+    for (int i = 0; i < 2; ++i) at_m[i] *= directions->blocked_m[k];
   }
 }
 

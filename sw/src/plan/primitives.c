@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/numbers.h"
+#include "plan/angles.h"
 
 #define STEP_S 0.1
 #define SUBSTEPS 2
@@ -68,16 +69,17 @@ static void lead(const vista_plan_params *params, const double up[3], const doub
 
 /* Adds the sway of a time to a point of a trajectory (sign 1), or takes it off (-1). It dies out with the speed. */
 static void sway(const double up[3], int64_t t_ns, double after_s, double sign, vista_plan_setpoint *now) {
-  double level[3], left[3];
+  double level[3], left[3], sine, cosine;
   const double speed_m_s = vista_norm(now->velocity_m_s), rate = TURN_RAD / SWAY_S;
   if (!(speed_m_s > SWAY_FROM_M_S) || !vista_plan_level(up, now->velocity_m_s, level)) return;
   vista_cross(up, level, left);
   const double most_m_s2 = sign * SWAY_M_S2 * fmin(speed_m_s / SWAY_FROM_M_S - 1.0, 1.0);
   const double phase = rate * (fmod(1e-9 * (double)(t_ns % SWAY_TURNS_NS), SWAY_S) + after_s);
+  vista_plan_sine_cosine(phase, &sine, &cosine);
   for (int i = 0; i < 3; ++i) {
-    now->position_m[i] -= most_m_s2 / vista_square(rate) * sin(phase) * left[i];
-    now->velocity_m_s[i] -= most_m_s2 / rate * cos(phase) * left[i];
-    now->acceleration_m_s2[i] += most_m_s2 * sin(phase) * left[i];
+    now->position_m[i] -= most_m_s2 / vista_square(rate) * sine * left[i];
+    now->velocity_m_s[i] -= most_m_s2 / rate * cosine * left[i];
+    now->acceleration_m_s2[i] += most_m_s2 * sine * left[i];
   }
 }
 
@@ -150,10 +152,10 @@ static void left_of(const wing *w, double left[3]) { vista_cross(w->up, w->level
 
 /* Turns the direction of flight by an angle, and flies a step along the chord. */
 static void turn_by(wing *w, double angle_rad, double dt_s) {
-  double left[3], before[3];
+  double left[3], before[3], c, s;
   left_of(w, left);
   memcpy(before, w->level, sizeof before);
-  const double c = cos(angle_rad), s = sin(angle_rad);
+  vista_plan_sine_cosine(angle_rad, &s, &c);
   for (int i = 0; i < 3; ++i) w->level[i] = c * w->level[i] + s * left[i];
   left_of(w, left);
   for (int i = 0; i < 3; ++i) {
@@ -170,7 +172,7 @@ static double within(double value, double most) { return fmin(fmax(value, -most)
 static void bank(wing *w, double wanted_rad, double climb_m_s, double dt_s) {
   w->bank_rad += within(within(wanted_rad, w->most_rad) - w->bank_rad, ROLL_RAD_S * dt_s);
   w->climb_m_s += within(climb_m_s - w->climb_m_s, CLIMB_M_S2 * dt_s);
-  turn_by(w, GRAVITY_M_S2 * tan(w->bank_rad) / w->speed_m_s * dt_s, dt_s);
+  turn_by(w, GRAVITY_M_S2 * vista_plan_tangent(w->bank_rad) / w->speed_m_s * dt_s, dt_s);
 }
 
 static bool begin_wing(const vista_plan_params *params, const vista_plan_state *state, wing *w) {
@@ -180,17 +182,17 @@ static bool begin_wing(const vista_plan_params *params, const vista_plan_state *
   w->speed_m_s = vista_dot(w->level, state->velocity_m_s);
   w->climb_m_s = vista_dot(state->up, state->velocity_m_s);
   left_of(w, left);
-  w->bank_rad = within(atan(vista_dot(left, state->acceleration_m_s2) / GRAVITY_M_S2), w->most_rad);
+  w->bank_rad = within(vista_plan_angle(vista_dot(left, state->acceleration_m_s2), GRAVITY_M_S2), w->most_rad);
   memcpy(w->now.position_m, state->position_m, sizeof w->now.position_m);
   memcpy(w->now.velocity_m_s, state->velocity_m_s, sizeof w->now.velocity_m_s);
   memcpy(w->now.heading, w->level, sizeof w->level);
-  for (int i = 0; i < 3; ++i) w->now.acceleration_m_s2[i] = GRAVITY_M_S2 * tan(w->bank_rad) * left[i];
+  for (int i = 0; i < 3; ++i) w->now.acceleration_m_s2[i] = GRAVITY_M_S2 * vista_plan_tangent(w->bank_rad) * left[i];
   return w->speed_m_s > WING_SLOWEST_M_S;
 }
 
 /* A circle that ends where it began, in whole steps. */
 static bool circle(wing *w, int32_t side, vista_plan_decision *plan) {
-  const double rate_rad_s = GRAVITY_M_S2 * tan(w->most_rad) / w->speed_m_s;
+  const double rate_rad_s = GRAVITY_M_S2 * vista_plan_tangent(w->most_rad) / w->speed_m_s;
   const double steps = ceil(TURN_RAD / (rate_rad_s * WING_STEP_S));
   plan->circle_from = plan->point_count - 1;
   if (!(plan->point_count + steps <= VISTA_PLAN_MOST_POINTS)) return false;

@@ -5,6 +5,7 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "plan/angles.h"
 #include "plan/primitives.h"
 
 #define GRID VISTA_PLAN_GRID
@@ -24,6 +25,9 @@
 enum { UNSEEN = 0, FREE = 1, STANDS = 2 };
 
 /* ---- the grid in the world ---- */
+
+/* hypot is not the same number in each C library. */
+static double length_of(double x, double y) { return sqrt(x * x + y * y); }
 
 static double cell_m(const vista_planner *p) { return CELL_SHARE * p->radius_m; }
 
@@ -81,7 +85,8 @@ static view view_of(const vista_planner *p, const vista_plan_space *space) {
 /* The level direction of a column, in the axes of the grid. */
 static void along_column(const view *v, int32_t column, double along[2]) {
   const double azimuth = (VISTA_DIRECTIONS_FIRST_DEG + column + 0.5) * VISTA_RADIANS_PER_DEGREE;
-  const double c = cos(azimuth), s = sin(azimuth);
+  double c, s;
+  vista_plan_sine_cosine(azimuth, &s, &c);
   for (int i = 0; i < 2; ++i) along[i] = c * v->ahead[i] + s * v->right[i];
 }
 
@@ -175,7 +180,7 @@ static void begin(vista_planner *p, const double goal[2]) {
       const bool rim = x == 0 || y == 0 || x == GRID - 1 || y == GRID - 1;
       const double off_x = p->first[0] + x + 0.5 - goal[0], off_y = p->first[1] + y + 0.5 - goal[1];
       const bool ends = !outside && (rim || (fabs(off_x) < 1.0 && fabs(off_y) < 1.0));
-      p->way[y + 1][x + 1] = ends ? (float)hypot(off_x, off_y) : FAR_CELLS;
+      p->way[y + 1][x + 1] = ends ? (float)length_of(off_x, off_y) : FAR_CELLS;
     }
 }
 
@@ -218,7 +223,7 @@ static bool goes_on_to(const vista_planner *p, const double at[2], double ahead[
     const double back = here - way_from(p, before), on = here - way_from(p, after);
     ahead[i] = fmax(back, on) <= 0.0 ? 0.0 : on >= back ? on : -back;
   }
-  const double length = hypot(ahead[0], ahead[1]);
+  const double length = length_of(ahead[0], ahead[1]);
   for (int i = 0; i < 2; ++i) ahead[i] /= fmax(length, 1e-6);
   return length > 1e-3;
 }
@@ -236,7 +241,7 @@ vista_plan_way vista_plan_way_along(const vista_planner *p, const double from_m[
     const double length_m = cell_m(p) * (flown + way_from(p, at));
     if (!(length_m < found.length_m)) continue;
     found.length_m = length_m;
-    found.turn = goes_on_to(p, at, ahead) ? hypot(direction[0] - ahead[0], direction[1] - ahead[1]) : 0.0;
+    found.turn = goes_on_to(p, at, ahead) ? length_of(direction[0] - ahead[0], direction[1] - ahead[1]) : 0.0;
   }
   return found;
 }
