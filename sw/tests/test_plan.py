@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plan_library import RADIUS_M, UP, Flight, Planner, distance_m, goal_of, seen_world, state_of
+from plan_library import AHEAD, RADIUS_M, UP, Flight, Planner, distance_m, goal_of, seen_world, state_of
 from random_seed import seeded
 from space_library import UNMATCHED, Space, Wall, scene
 from stage_library import ffi, lib
@@ -285,6 +285,15 @@ def test_a_fixed_wing_goes_on_rolling_when_it_decides_anew() -> None:
     for _ in range(50):
         flight.step()
     assert flight.velocity[2] < -0.95 * np.linalg.norm(flight.velocity)
+
+
+def test_a_fixed_wing_that_is_too_slow_to_fly_is_told_to_stay() -> None:
+    position = (3.0, -2.0, 1.0)
+    decision = Planner(plan__vehicle="fixed_wing").decide(seen_world(), state_of(position), goal_of())
+    assert decision.chosen == -1 and len(decision.points) == 1
+    for told in (decision.setpoint, decision.at(10.0)):
+        assert told.position_m.tolist() == list(position) and not told.velocity_m_s.any()
+        assert told.heading.tolist() == AHEAD.tolist()
 
 
 @pytest.mark.slow

@@ -203,10 +203,25 @@ static bool circle(wing *w, int32_t side, vista_plan_decision *plan) {
   return true;
 }
 
+/* What is too slow to fly stays where it is: no decision is without a point. */
+static void stand(const vista_plan_state *state, vista_plan_decision *plan) {
+  vista_plan_setpoint now = {0};
+  memcpy(now.position_m, state->position_m, sizeof now.position_m);
+  (void)vista_plan_level(state->up, state->heading, now.heading);
+  plan->step_s = WING_STEP_S;
+  plan->escape_s = 0.0;
+  plan->circle_from = -1;
+  plan->points[0] = now;
+  plan->point_count = 1;
+}
+
 bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_state *state,
                            const vista_plan_turning *turning, vista_plan_decision *plan) {
   wing w;
-  if (!begin_wing(params, state, &w)) return false;
+  if (!begin_wing(params, state, &w)) {
+    stand(state, plan);
+    return false;
+  }
   plan->step_s = WING_STEP_S;
   plan->escape_s = turning->at_once ? 0.0 : WING_COMMIT_S;
   plan->points[0] = w.now;
