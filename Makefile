@@ -118,9 +118,28 @@ aarch64: .venv/build.stamp ## build libraries and programs for AArch64 (64-bit A
 	@$(CMAKE) --build $(AARCH64)
 	@build/tools/aarch64/gcc $(CFLAGS) -std=c17 -Wall -Wextra -Werror -Imodel/c/include model/tests/words.c \
 	  -o $(AARCH64)/bin/words $(AARCH64)/lib/libvista_engine.a
+	@build/tools/aarch64/gcc $(CFLAGS) $(call DECISIONS,$(AARCH64))
 
-test-aarch64: aarch64 build .venv/test.stamp ## compare engine and host on AArch64, emulated, with this machine
-	@VISTA_AARCH64_WORDS=10000000 $(PYTHON) -m pytest -s model/tests/test_aarch64.py sw/tests/test_fly_words_aarch64.py
+# A program for tests: what the planner decides over a recording, on the processor whose libraries are in this folder.
+DECISIONS = -std=c17 -D_GNU_SOURCE -Wall -Wextra -Werror -ffp-contract=off -Isw/include -Isw/apps/fly -Imodel/c/include \
+  sw/tests/decisions.c sw/apps/fly/container.c sw/apps/fly/problem.c -o $(1)/bin/decisions \
+  $(1)/lib/libvista.a $(1)/lib/libvista_engine.a -lm -lpthread
+build/bin/decisions: native
+	@$(CC) $(CFLAGS) $(call DECISIONS,build)
+
+test-aarch64: aarch64 build build/bin/decisions .venv/test.stamp ## compare engine, host and planner on AArch64, emulated, with this machine
+	@VISTA_AARCH64_WORDS=10000000 VISTA_AARCH64_SCENES=70 $(PYTHON) -m pytest -s model/tests/test_aarch64.py \
+	  sw/tests/test_fly_words_aarch64.py sw/tests/test_decisions_aarch64.py
+
+# The emulators that take plugins, and the plugin that counts.
+COUNTING := build/tools/counting
+$(COUNTING)/stamp: sw/bench/count_instructions.c scripts/debian_packages.sh scripts/requirements/counting.txt
+	@scripts/debian_packages.sh scripts/requirements/counting.txt $(COUNTING)
+	@$(CC) -O2 -std=c17 -Wall -Wextra -Werror -shared -fPIC $< -o $(COUNTING)/libcount_instructions.so
+	@touch $@
+.PHONY: count-aarch64
+count-aarch64: aarch64 build build/bin/decisions $(COUNTING)/stamp .venv/test.stamp ## count the instructions of decisions on AArch64 and x86, emulated
+	@$(PYTHON) sw/bench/count_plan.py --out build/bench/count_plan.json
 
 # Linked with all that it needs: bin/vista-fly runs wherever it is copied to. ARCH=aarch64, armhf or riscv64: of another
 # processor, in a folder of its own, where build/tools/ARCH/run emulates it.
