@@ -128,7 +128,7 @@ build/bin/decisions: native
 	@$(CC) $(CFLAGS) $(call DECISIONS,build)
 
 test-aarch64: aarch64 build build/bin/decisions .venv/test.stamp ## compare engine, host and planner on AArch64, emulated, with this machine
-	@VISTA_AARCH64_WORDS=10000000 VISTA_AARCH64_SCENES=70 $(PYTHON) -m pytest -s model/tests/test_aarch64.py \
+	@VISTA_AARCH64_WORDS=10000000 VISTA_AARCH64_SCENES=35 $(PYTHON) -m pytest -s model/tests/test_aarch64.py \
 	  sw/tests/test_fly_words_aarch64.py sw/tests/test_decisions_aarch64.py
 
 # The emulators that take plugins, and the plugin that counts.

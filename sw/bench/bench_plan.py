@@ -107,7 +107,7 @@ def main() -> int:
     legend = (
         f"KITTI odometry 00, 1226x370, four speeds and five goals a frame; target {TARGET_MS} ms at p99.9."
     )
-    table = Table("plan_decisions", heads, rows, legend)
+    table = Table("plan-decisions", heads, rows, legend)
     print(table.as_text())
     if arguments.out is not None:
         write_measurement(arguments.out, [table], figures, target_ms=TARGET_MS)

@@ -1,8 +1,8 @@
 """The instructions of a decision on AArch64 and on x86, as an emulator counts them, and its share of a frame.
 
-The detector and the planner of both vehicles go through random scenes, whose words are given, and through
-KITTI odometry 00, whose pairs are matched by the engine in C, where its data are there
-(sw/tests/decisions.c). `make count-aarch64` builds what runs.
+The detector and the planner of both vehicles go through random scenes, and through KITTI odometry 00 where
+its data are there (sw/tests/decisions.c). Words are given, as by a board: what matches them is not counted.
+`make count-aarch64` builds what runs.
 
     count_plan.py [--scenes 14] [--out build/bench/plan_instructions.json]
 """
@@ -30,7 +30,7 @@ from vista_eval.report.table import Table, write_measurement  # noqa: E402
 
 STREET = SHARED_DATA / "kitti_odometry" / "sequences" / "00"
 TOOLS = REPOSITORY / "build" / "tools"
-FRAME, MATCHED, JUDGED, DECIDED = range(4)  # marks of decisions.c
+BEGINS, JUDGED, DECIDED = range(3)  # marks of decisions.c
 VEHICLES, LANES = ("multirotor", "fixed wing"), 8  # in the order of decisions.c
 PROCESSORS = ("aarch64", "x86_64")
 Counts = dict[str, list[int]]
@@ -55,7 +55,7 @@ def command_of(processor: str, marks: Path, recording: Path) -> list[str]:
 
 
 def count(processor: str, recording: Path, folder: Path, counts: Counts) -> None:
-    """Adds the instructions of matching, of judging, and of each vehicle's decisions."""
+    """Adds the instructions of the detector's frames and of each vehicle's decisions."""
     marks = folder / "marks.txt"
     libraries = str(TOOLS / "counting/root/usr/lib/x86_64-linux-gnu")
     subprocess.run(
@@ -64,23 +64,20 @@ def count(processor: str, recording: Path, folder: Path, counts: Counts) -> None
         check=True,
         env=os.environ | {"LD_LIBRARY_PATH": libraries},
     )
-    before, decisions = FRAME, 0
+    decisions = 0
     for mark, instructions in (map(int, line.split()) for line in marks.read_text().splitlines()):
-        if mark == MATCHED:
-            counts["match"].append(instructions)
-        elif mark == JUDGED and before == MATCHED:
-            counts["judge"].append(instructions)
+        if mark == JUDGED:
+            counts["frame"].append(instructions)
             decisions = 0
         elif mark == DECIDED:
             counts[VEHICLES[decisions // LANES]].append(instructions)
             decisions += 1
-        before = mark
 
 
 def recordings(folder: Path, scenes: int) -> dict[str, list[Path]]:
     rng, kinds = np.random.default_rng(1), list(decision_scenes.KINDS)
     found = {
-        "random scenes, 320x240, words given": [
+        "random scenes, 320x240": [
             decision_scenes.record(folder / f"{k}.rec", kinds[k % len(kinds)], rng) for k in range(scenes)
         ]
     }
@@ -88,7 +85,7 @@ def recordings(folder: Path, scenes: int) -> dict[str, list[Path]]:
         street = folder / "street.rec"
         arguments = ["run", STREET, "--out", folder / "out", "--no-overlay", "--record", street]
         if vista([str(argument) for argument in arguments]) == 0:
-            found["KITTI odometry 00, 1226x370, matched in C"] = [street]
+            found["KITTI odometry 00, 1226x370"] = [street]
     else:
         print(f"{STREET} is not there: random scenes alone are counted")
     return found
@@ -108,15 +105,15 @@ def main() -> int:
                 counts: Counts = defaultdict(list)
                 for recording in files:
                     count(processor, recording, Path(name), counts)
-                frame = np.median(np.add(counts["match"], counts["judge"]))
+                frame = float(np.median(counts["frame"])) / 1e6
                 for vehicle in VEHICLES:
                     million = np.array(counts[vehicle]) / 1e6
                     middle, high, most = np.median(million), np.percentile(million, 99.9), million.max()
-                    share = middle / (middle + frame / 1e6)
+                    share = middle / (middle + frame)
                     figures[f"{what}; {processor}; {vehicle}"] = {
                         "decisions": len(million),
                         "median_p999_most": [middle, high, most],
-                        "match_judge_median": [float(np.median(counts[k])) / 1e6 for k in ("match", "judge")],
+                        "detector_median": frame,
                         "share_of_frame": share,
                     }
                     rows.append(
@@ -125,14 +122,14 @@ def main() -> int:
                             processor,
                             vehicle,
                             f"{len(million)}",
-                            *(f"{number:.2f}" for number in (middle, high, most)),
-                            *(f"{np.median(counts[k]) / 1e6:.1f}" for k in ("match", "judge")),
+                            *(f"{number:.1f}" for number in (middle, high, most, frame)),
                             f"{100 * share:.1f} %",
                         )
                     )
     heads = ("over", "processor", "vehicle", "decisions", "median", "p99.9", "most")
-    heads += ("matching", "judging", "share of frame")
-    table = Table("plan_instructions", heads, rows, "Millions of instructions, counted by qemu.")
+    heads += ("detector, median", "share of a frame")
+    legend = "Millions of instructions, counted by qemu. Words are given. Share: of the sum of both medians."
+    table = Table("plan-instructions", heads, rows, legend)
     print(table.as_text())
     if arguments.out is not None:
         write_measurement(arguments.out, [table], figures)

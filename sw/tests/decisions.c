@@ -4,7 +4,7 @@
  *
  * The detector judges each frame, then planners of both vehicles decide, each in its own way: some begin anew with each
  * frame, some follow the camera, some fly what they decided. A decision: int32 status, vista_plan_decision, as the
- * machine has them, which is little endian. At the steps of a frame and of a decision a system call
+ * machine has them, which is little endian. Before and after a frame and a decision a system call
  * is made that does not exist, MARK: an emulator may count what lies between (sw/bench/count_instructions.c). Exit status 1
  * when something fails, with a line on stderr. */
 #include <stdint.h>
@@ -20,7 +20,7 @@
 #define MARK 4242
 #define NEAR_M 15.0 /* a vehicle that flies its own way begins anew when the camera is farther away */
 
-enum { MARK_FRAME = 0, MARK_MATCHED, MARK_JUDGED, MARK_DECIDED }; /* what has ended, or a frame begins */
+enum { MARK_BEGINS = 0, MARK_JUDGED, MARK_DECIDED };
 enum manner { BEGINS_ANEW, FOLLOWS, FLIES };
 
 typedef struct lane {
@@ -80,10 +80,9 @@ static bool judge(run *r, vista_detector_result *found) {
   const vista_detector_place place = {
       .pose = s->has_pose ? &pose : NULL, .up_world = s->has_up ? s->up_world : NULL, .anew = s->anew};
   vista_novelty novelty;
-  mark(MARK_FRAME);
+  mark(MARK_BEGINS);
   vista_status status = vista_detector_take(r->detector, &pair, &novelty);
   if (status == VISTA_OK) status = vista_detector_match(r->detector, s->matched ? words : NULL);
-  mark(MARK_MATCHED);
   if (status == VISTA_OK) status = vista_detector_judge(r->detector, &place, found);
   mark(MARK_JUDGED);
   if (status != VISTA_OK) vista_detector_forget(r->detector);
@@ -136,7 +135,7 @@ static bool decide(run *r, const lane *l, vehicle *v, const vista_motion *motion
   static const double down_rows[3] = {0.0, -1.0, 0.0};
   set_state(l, v, motion, r->shot.has_up ? r->shot.up_world : down_rows, r->shot.t_ns);
   memset(&v->decision, 0, sizeof v->decision);
-  mark(MARK_JUDGED);
+  mark(MARK_BEGINS);
   const int32_t status = vista_planner_decide(&v->planner, r->detector, &v->state, &v->goal, &v->decision);
   mark(MARK_DECIDED);
   v->began = status == VISTA_OK;
