@@ -85,9 +85,9 @@ class Comparison:
         )
 
 
-def over_random_scenes(comparison: Comparison, folder: Path, rng: np.random.Generator) -> None:
+def over_random_scenes(comparison: Comparison, folder: Path, rng: np.random.Generator, scenes: int) -> None:
     kinds = list(decision_scenes.KINDS)
-    for number in range(SCENES):
+    for number in range(scenes):
         kind = kinds[number % len(kinds)]
         recording = decision_scenes.record(folder / f"{number}_{kind}.rec", kind, rng)
         comparison.add(recording)
@@ -98,16 +98,16 @@ def over_random_scenes(comparison: Comparison, folder: Path, rng: np.random.Gene
 @built
 def test_random_scenes(tmp_path: Path) -> None:
     comparison = Comparison(THERE)
-    over_random_scenes(comparison, tmp_path, seeded(44))
+    over_random_scenes(comparison, tmp_path, seeded(44), SCENES)
     assert len(comparison.actions) >= 5
 
 
 @pytest.mark.skipif(not Path(HERE[0]).exists(), reason="not built: make test-aarch64")
 def test_functions_of_another_library(tmp_path: Path) -> None:
-    """Where an x86 fuses no products, its C library takes other functions, and here it is told so. Of these
+    """The C library takes others where an x86 fuses no products, and is told that this one does not. Of these
     scenes, always the same, the detector's numbers are equal all the same, and so is each byte decided."""
     comparison = Comparison(HERE, GLIBC_TUNABLES=WITHOUT_FUSED)
-    over_random_scenes(comparison, tmp_path, np.random.default_rng(1))
+    over_random_scenes(comparison, tmp_path, np.random.default_rng(1), len(decision_scenes.KINDS))
     assert comparison.other_bytes == 0
 
 
