@@ -126,8 +126,8 @@ def main() -> int:
                             f"{100 * share:.1f} %",
                         )
                     )
-    heads = ("over", "processor", "vehicle", "decisions", "median", "p99.9", "most")
-    heads += ("detector, median", "share of a frame")
+    of = ("over", "processor", "vehicle", "decisions")
+    heads = (*of, "median", "p99.9", "most", "detector, median", "share of a frame")
     legend = "Millions of instructions, counted by qemu. Words are given. Share: of the sum of both medians."
     table = Table("plan-instructions", heads, rows, legend)
     print(table.as_text())

@@ -120,7 +120,8 @@ def record(path: Path, kind: str, rng: Random, frames: int = FRAMES) -> Path:
             t_s = index * PERIOD_NS * 1e-9
             walls = list(things)
             if mover is not None:
-                walls.append(Wall(mover.z_m, tuple(x + mover_m_s * t_s for x in mover.x_m), mover.y_m))
+                (first, last), off_m = mover.x_m, mover_m_s * t_s
+                walls.append(Wall(mover.z_m, (first + off_m, last + off_m), mover.y_m))
             look = scene(walls, ground_m, velocity * t_s, turn, lens)
             words = disturbed(rng, look.words)
             left = np.where(words > 0, (7 * words.astype(np.int32)) % 200, grey // 8 + 200).astype(np.uint8)
