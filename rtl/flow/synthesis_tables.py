@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+import sys
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
-from make_tables import SYNTHESIS, as_text
 from nextpnr_report import Record, sentence
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from make_tables import SYNTHESIS, as_text
 
 COUNTS = {
     "lut4": "LUT4",
