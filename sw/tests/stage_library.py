@@ -113,7 +113,7 @@ POINTERS = ("params", "camera", "foveation")
 def frame_view(parameters, camera, **given):
     """A vista_frame_view *: a level camera at the origin that stands still, all of whose image is matched,
     unless told otherwise as set_frame takes it."""
-    frame = ffi.new("vista_frame_view *", {"up_camera": LEVEL_UP})
+    frame = ffi.new("vista_frame_view *", {"up_camera": LEVEL_UP, "seen": True})
     _kept[frame] = {}
     frame.matched.disparity_max_px = 127.0
     for k in (0, 4, 8):
