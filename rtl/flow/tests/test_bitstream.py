@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -35,3 +36,11 @@ def test_without_such_a_seed_there_is_no_bitstream(monkeypatch: pytest.MonkeyPat
     seeds(monkeypatch, {1: None, 2: 44.9})
     with pytest.raises(SystemExit, match="not met with any seed"):
         make_bitstream.first_that_is_met(Path(), [1, 2], 60.0)
+
+
+def test_no_pin_is_asked_for_twice(tmp_path: Path) -> None:
+    make_bitstream.gateware(tmp_path, [16, 5, 64, 16, 64], 45.0, "192.168.1.50", cameras=True)
+    sites = re.findall(r'LOCATE COMP "(.*)" SITE "(\w+)"', (tmp_path / "board.lpf").read_text())
+    pins = [pin for _, pin in sites]
+    assert sum(name.startswith("sensor") for name, _ in sites) == 2 * 11
+    assert not {name for name, pin in sites if pins.count(pin) > 1}
