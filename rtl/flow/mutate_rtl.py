@@ -213,11 +213,7 @@ def failing_test(target: Target, number: int) -> str | None:
             extra_env=extra | {"VISTA_MUTANT": str(number), "COCOTB_MAX_FAILURES": "1"},
         )  # fmt: skip
         text = results.read_text()
-    except (
-        SystemExit,
-        RuntimeError,
-        FileNotFoundError,
-    ):  # so the runner ends when a test fails or the simulator stops
+    except (SystemExit, RuntimeError, FileNotFoundError):  # a test failed, or the simulator stopped
         text = "<failure"
     return "bench" if "<failure" in text or "<error" in text or "<testcase" not in text else None
 

@@ -29,7 +29,6 @@ from random_seed import seeded
 from shared_data import REPOSITORY
 from vista.engine.rtl import VERILATOR
 
-LIVE_HZ = 600
 PROGRAM = Path("build/board/d16_b5_w320_r16/board-sim")
 CLOCKS = PROGRAM.with_name("board-clocks")
 TIMEOUT_MS = 20000
@@ -344,9 +343,9 @@ RATE_HZ = 600
 SENSORS = ["--pixel-mhz", "30", "--line-blanking", "60", "--rate", str(RATE_HZ)]
 
 
-def moment_of(t_ns: int, rate_hz: int = RATE_HZ) -> int:
+def moment_of(t_ns: int) -> int:
     """The moment in which a pair began at this time of the board: moment 0 is that after a period."""
-    moment, part = divmod(1e-9 * t_ns * rate_hz, 1.0)
+    moment, part = divmod(1e-9 * t_ns * RATE_HZ, 1.0)
     assert part < 0.05  # sensors begin some pixel clocks after they were triggered
     return int(moment) - 1
 
@@ -471,14 +470,8 @@ def test_live_makes_obstacles_of_the_words_of_the_sensors(program: Path, tmp_pat
     file = tmp_path / "pairs.raw"
     file.write_bytes(raw_bytes(pairs))
     sensors = ["--width", "160", "--height", "120", "--pixel-mhz", "40", "--line-blanking", "80"]
-    sensors += [
-        "--faults",
-        "0.5",
-        "--rate",
-        str(LIVE_HZ),
-        "--sensor-seed",
-        str(seeded(2430).integers(1 << 30)),
-    ]
+    seed = str(seeded(2430).integers(1 << 30))
+    sensors += ["--faults", "0.5", "--rate", str(RATE_HZ), "--sensor-seed", seed]
     with simulated(program, "--pairs", str(file), *sensors) as board:
         command = [sys.executable, "-m", "vista", "live", "--camera", f"board:127.0.0.1:{board.port}"]
         command += ["--calibration", str(calibration), "--size-px", "160x120", "--config", str(config)]
@@ -489,7 +482,7 @@ def test_live_makes_obstacles_of_the_words_of_the_sensors(program: Path, tmp_pat
         while len(numbers) < 3 or numbers[-1] - numbers[0] < len(numbers):
             line = live.stdout.readline()
             about = json.loads(line)
-            moment = moment_of(about["t_ns"], LIVE_HZ)
+            moment = moment_of(about["t_ns"])
             pair = pairs[moment % len(pairs)]
             assert without_time(line.rstrip()) == expected.line(pair, about["frame"], about["t_ns"])
             numbers.append(about["frame"])

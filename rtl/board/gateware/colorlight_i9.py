@@ -28,8 +28,9 @@ from gateware.system import BoardSystem
 OSCILLATOR_HZ = 25e6
 BLINK_BITS = 26  # a blink takes about a second
 PIXEL_HZ = 54e6  # of a sensor's clock, at most
-# Sockets of a sensor: its data, then its pixel clock, VSYNC and HREF on the first pins of the other.
-SENSOR_SOCKETS = (("pmode", "pmodf"), ("pmodk", "pmodl"))  # pmodc has the pin of the LED
+# Sockets of a sensor: its data, then its pixel clock, VSYNC and HREF on the first pins of the other. Of the
+# platform's sockets pmodc has the pins of the LED and of the reset.
+SENSOR_SOCKETS = (("pmode", "pmodf"), ("pmodk", "pmodl"))
 FLASH_BITS = 22  # the least time that the LED shows a frame, 0.09 s at 45 MHz
 
 

@@ -120,10 +120,12 @@ class BoardClient:
 
 class Board:
     """A BoardClient whose board was built for these parameters. grids: the map that raw images are rectified
-    by; cameras: the pairs are those of the board's own.
+    by.
 
     InputError, in one line, when nobody answers, or the board was built with other parameters.
     """
+
+    _cameras = False  # the pairs are those of the board's own cameras
 
     def __init__(
         self,
@@ -131,13 +133,12 @@ class Board:
         address: str,
         grids: GridPair | None = None,
         timeout_ms: int = 1000 * DEFAULT_TIMEOUT_S,
-        cameras: bool = False,
     ) -> None:
         self.parameters = StereoEngine(**asdict(parameters)).parameters  # one judge of the contract's ranges
         _, self._lib = native.load("vista")
         host, port = parse_address(address, self._lib.VISTA_BOARD_PORT)
         self._culprit = f"board {host}:{port}"
-        self._grids, self._timeout_ms, self._cameras = grids, timeout_ms, cameras
+        self._grids, self._timeout_ms = grids, timeout_ms
         self._size: tuple[int, int] | None = None  # of the session's pairs; None: no session
         with self._reported():
             self._client = BoardClient(host, port, timeout_ms)
@@ -249,14 +250,7 @@ class CameraPair:
 class BoardCameras(Board):
     """The cameras of a board, whose words alone come."""
 
-    def __init__(
-        self,
-        parameters: EngineParameters,
-        address: str,
-        grids: GridPair | None = None,
-        timeout_ms: int = 1000 * DEFAULT_TIMEOUT_S,
-    ) -> None:
-        super().__init__(parameters, address, grids, timeout_ms, cameras=True)
+    _cameras = True
 
     def begin(self, width_px: int, height_px: int) -> None:
         """Begins a session in which the board takes pairs of this size, from the next one on."""
