@@ -205,7 +205,7 @@ def test_vista_fly_refuses_in_one_line(board: BoardModel, files: tuple[Path, Pat
 
     for address in ("127.0.0.1:x", ":1", "127.0.0.1:65536"):
         refused("is not ADDRESS or ADDRESS:PORT", address)
-    refused("the host has no address", "board.example:1")
+    refused("the host is not an IPv4 address", "board.example:1")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
         silent.bind(("127.0.0.1", 0))
         refused("the board does not answer", f"127.0.0.1:{silent.getsockname()[1]}")

@@ -18,7 +18,7 @@ typedef enum vista_status {
   VISTA_ERROR_OVERFLOW, /* sums of capacities exceed their integer type */
   VISTA_ERROR_ORDER,    /* timestamps that do not increase */
   VISTA_ERROR_THREAD,   /* the system gives no second thread */
-  VISTA_ERROR_ADDRESS,  /* a host has no address, or the system gives no socket */
+  VISTA_ERROR_ADDRESS,  /* a host is no IPv4 address, or the system gives no socket */
   VISTA_ERROR_NO_ANSWER, /* a board is silent */
   VISTA_ERROR_BOARD,    /* a board speaks another protocol, or holds no engine that is known */
   VISTA_ERROR_SESSION,  /* a board was restarted, or another client took it */
