@@ -13,7 +13,7 @@ logic                 f_enable;
 logic [ColW:0]        f_width;
 logic [RowW-1:0]      f_height;
 logic [SideWidth-1:0] f_side;
-logic                 f_begins, f_fits;
+logic                 f_begins, f_fits, f_stays, f_ended;
 logic [SetW+DataW+1:0] f_kept;  // what is kept of all this
 
 // No set admits a size that the engine does not take.
@@ -32,6 +32,7 @@ assign f_head     = u_skid.valid_q & u_skid.data_q[DataW+SetW];
 assign f_spill    = u_skid.spill_valid_q & u_skid.spill_q[DataW+SetW];
 assign f_admitted = 2'(f_here) + 2'(f_head) + 2'(f_spill);
 
+assign f_stays   = !f_waited | !rst_ni | (valid_i & ({sof_i, eol_i, data_i} == f_beat));
 assign f_begins  = valid_i & ~f_waited;
 assign f_offered = f_taken + {3'b0, f_waited};
 assign f_kept    = {f_enable, f_enable & f_fits, ColW'(f_width - 1'b1), f_height - 1'b1, f_side, f_pixel};
@@ -63,14 +64,17 @@ end
 
 `ifdef VERILATOR
 `include "vista_settled.svh"
+// The reset of a bus ends at once what it offers, and comes here a clock later: meanwhile nothing is asked for.
+always_ff @(posedge clk_i) f_ended <= f_settled & !f_stays;
 always_ff @(posedge clk_i) if (f_settled) begin
+  if (f_ended) assert (!rst_ni);
 `else
+assign f_ended = 1'b0;
 always_comb begin
   if (!f_started) assume (!rst_ni);
+  if (f_started) assume (f_stays);
 `endif
-  if (f_started) begin
-    if (f_waited && rst_ni) assume (valid_i && {sof_i, eol_i, data_i} == f_beat);
-
+  if (f_started && f_stays && !f_ended) begin
     if (valid_o && f_left == f_n) begin
       assert (f_seen && {sof_o, eol_o, data_o} == f_pixel && side_o == f_side);
       assert (enable_o == f_enable && admit_o == (f_enable && f_fits));

@@ -122,7 +122,7 @@ def test_a_frame_without_a_map_for_its_size_is_dropped() -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_soft_reset_keeps_the_map(seed: int) -> None:
-    """Anywhere in a frame, also with levels in the buffer; a reset of all forgets it."""
+    """Anywhere in a frame, also with levels in the buffer; a reset of all, while pixels wait, forgets it."""
     rng = np.random.default_rng(300 + seed)
     frame = random_raw_frame(rng, 20)
     height, width = frame.shape
@@ -134,6 +134,7 @@ def test_soft_reset_keeps_the_map(seed: int) -> None:
         rtl.stream(part, int(rng.integers(0, 60)), quiet=int(rng.integers(20, 300)))
         soft_reset(rtl)
         check(rtl, frame)
+        rtl.stream(frame.stream, int(rng.integers(0, 60)), quiet=300)
         rtl.reset()
         rtl.write(CONTROL, ENABLE)
         written(rtl, frame.writes(load_map=False))
