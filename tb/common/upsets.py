@@ -20,7 +20,6 @@ from verilated import Cell, Config, Pace, Rtl
 
 FRAMES = 5
 HIT = 3  # frames that an upset can come in
-QUIET = 5000  # clocks without a transfer, after which nothing more is waited for
 TALLEST = 4096  # rows of a frame, and more words than that of one frame are not waited for
 
 MASKED = "masked"
@@ -90,6 +89,11 @@ def random_scene(rng: np.random.Generator, config: Config, restarts: bool) -> Sc
     return Scene(frames, words, (paces[0], paces[1]), restarts)
 
 
+def quiet_clocks(config: Config) -> int:
+    """Clocks without a transfer after which nothing more is waited for: what stood still was reset."""
+    return 3 * (config.block_size + 8 + config.rows) * config.max_width
+
+
 def prepare(rtl: Rtl, frame: RawFrame) -> None:
     """Makes the engine as it is at the start, its memories as well, which a reset leaves as they are."""
     rtl.renew()
@@ -127,7 +131,7 @@ def fly_on(rtl: Rtl, scene: Scene, frames: slice, start: int) -> Flown:
     stream = np.concatenate([frame.stream for frame in pixels])
     expected = np.concatenate(words)
     most = len(expected) + TALLEST * rtl.config.max_width
-    got = rtl.stream(stream, most, *scene.paces, quiet=QUIET)
+    got = rtl.stream(stream, most, *scene.paces, quiet=quiet_clocks(rtl.config))
     all_words = framed(got.words, got.flags)
     first, last = right_ones(all_words, words)
     right = [n < first or n >= len(words) - last for n in range(len(words))]

@@ -133,12 +133,12 @@ def recorded(config: Config, trace: Path) -> None:
         frame_at_reset_defaults(rtl, rng)
         rtl.write(INTERRUPT_MASK, 3)
         if config.rows:
-            raw_frames(rtl, rng, 4)
+            raw_frames(rtl, rng, 2)
             faulty_raw_video(rtl, rng)
             maps_and_resets(rtl, rng)
-            raw_frames(rtl, rng, 2)
+            raw_frames(rtl, rng, 3)
         else:
-            frames(rtl, rng, 2)
+            frames(rtl, rng, 1)
             faulty_video(rtl, rng)
             reset_inside_a_frame(rtl, rng)
             frame_at_reset_defaults(rtl, rng)
