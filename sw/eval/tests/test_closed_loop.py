@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from command_line import assert_refused, call
+from small_worlds import GREY, coarse_textures
 from vista import parameters
 from vista.geometry import Pose
 from vista_eval.closed_loop.camera import BASELINE_M, calibration_of, rig_of
@@ -17,7 +18,7 @@ from vista_eval.closed_loop.loop import NOTHING, Conditions, Faults, Flight, Mom
 from vista_eval.closed_loop.outcome import Outcome, begins, outcome_of, stops_of
 from vista_eval.closed_loop.painted import FAR_M, background_m
 from vista_eval.closed_loop.pilots import BrakeOnly, Leg, Seen, Straight, along_leg
-from vista_eval.closed_loop.places import boxes, forests, parts
+from vista_eval.closed_loop.places import boxes, forests
 from vista_eval.closed_loop.places.catalog import FAMILIES
 from vista_eval.closed_loop.places.parts import scene, upright_box
 from vista_eval.closed_loop.record import lines_of
@@ -28,13 +29,11 @@ from vista_eval.closed_loop.vehicle import STEP_S, Multirotor
 from vista_eval.closed_loop.vehicles import VEHICLES
 from vista_eval.closed_loop.world import World
 from vista_eval.render.scene import Cylinder, Scene, Sphere, thing
-from vista_eval.worlds import walls
 from vista_eval.worlds.things import mesh
 from vista_eval.worlds.triangles import box
 
 pytest.importorskip("rotorpy")
 QUICK = Conditions(width_px=160)
-GREY = np.full((2, 2), 0.4, np.float32)
 TO_SUN = (0.0, 0.0, 1.0)
 
 
@@ -288,10 +287,7 @@ def test_a_forest_keeps_to_its_rules():
 def test_every_family_builds_the_same_world_twice_and_begins_in_the_open(
     name: str, monkeypatch: pytest.MonkeyPatch
 ):
-    """Distances ask for no pictures on walls, nor for fine ones on the ground."""
-    monkeypatch.setattr(walls, "TEXTURED", [lambda *_: GREY])
-    for texel in ("FINE_M", "COARSE_M"):
-        monkeypatch.setattr(parts, texel, 2.0)
+    coarse_textures(monkeypatch)
     family = FAMILIES[name]
     first, second = (family.world(family.fixed, 1) for _ in range(2))
     near = [Geometry(world.scene).nearest(np.array(world.route_m[0])) for world in (first, second)]

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from command_line import assert_refused, call
+from small_worlds import coarse_textures
 from vista import parameters
 from vista_eval.closed_loop.collision import Geometry
 from vista_eval.closed_loop.loop import Conditions, arrived, fly, legs_of
@@ -107,7 +108,8 @@ def test_a_goal_counts_as_passed_when_it_lies_behind_and_not_far_off():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("family", [name for name, family in FAMILIES.items() if family.wide])
-def test_on_the_route_something_stands_in_every_wide_world_but_the_clear_one(family):
+def test_on_the_route_something_stands_in_every_wide_world_but_the_clear_one(family, monkeypatch):
+    coarse_textures(monkeypatch)
     world = FAMILIES[family].world(1, 1)
     geometry, (start, goal) = Geometry(world.scene), map(np.array, world.route_m)
     shares = np.linspace(0.0, 1.0, 320)[:, None]
