@@ -72,10 +72,15 @@ struct vista_rtl {
 
   // Inputs were set: settle, then one rising edge.
   void edge() {
+    top->eval();
+    settled_edge();
+  }
+
+  // The same where eval() was called after the last input was set.
+  void settled_edge() {
     Verilated::threadContextp(&context);  // there may be several engines; assertions fail in this one
     if (record) write_record();
     take_levels();
-    top->eval();
     const bool taken = top->s_axis_tvalid && top->s_axis_tready;
     top->clk_i = 1;
     top->eval();
@@ -151,7 +156,6 @@ struct vista_rtl {
 
   void take_levels() {
     auto& t = *top;
-    t.eval();
     if (t.fetch_axis_tvalid && t.fetch_axis_tready) levels_.pop_front();
     if (t.store_axis_tvalid) levels_.push_back({t.store_axis_tdata, t.store_axis_tuser != 0, t.store_axis_tlast != 0});
     if (!t.store_rst_no || !t.rst_ni) levels_.clear();
@@ -168,8 +172,7 @@ struct vista_rtl {
 
   // Inputs and outputs just before an edge, as tb/icarus/replay.v reads them.
   void write_record() {
-    auto& t = *top;
-    t.eval();
+    const auto& t = *top;
     const bool word = t.m_axis_tvalid;
     std::fprintf(record.get(), "%d %d%d%d %04x %d %d %x %d %08x %d %d %x %d | %d%d%d%d%d%d%d%d%d%d %08x %08x\n",
                  t.rst_ni, t.s_axis_tvalid, t.s_axis_tuser, t.s_axis_tlast, t.s_axis_tdata, t.m_axis_tready,
@@ -285,7 +288,7 @@ int64_t vista_rtl_stream(vista_rtl* engine, const uint32_t* beats, int64_t num_i
       ++words;
       idle = 0;
     }
-    e.edge();
+    e.settled_edge();
   }
   e.left_over = offered || e.left_over;
   t.s_axis_tvalid = e.left_over;

@@ -6,7 +6,7 @@
 # and without what is defined for our own sources.
 set -euo pipefail
 readonly source=${!#} object=$(basename "${@:$#-1:1}")
-case $object in verilated*.o) ;; *) exec "$@" ;; esac
+case $object in verilated*.o) ;; *) exec "$@" -include "$(dirname "$0")/assertions_on.h" ;; esac
 
 command=()
 for word in "$@"; do

@@ -45,7 +45,7 @@ def lasting(found: list[Upset]) -> list[Upset]:
 @pytest.mark.parametrize("config", [CORE, WHOLE], ids=NAMES.get)
 def test_an_upset_is_gone_with_the_next_frame_or_told_of(config: Config, restarts: bool) -> None:
     with Rtl(config) as rtl:
-        found = upsets(rtl, 0, 32, restarts)  # `make upsets` draws thousands
+        found = upsets(rtl, 0, 20, restarts)  # `make upsets` draws thousands
     assert any(upset.outcome != MASKED for upset in found)
     for upset in lasting(found):
         assert upset.told and any(name in upset.cell for name in KEPT), upset
@@ -58,7 +58,7 @@ def test_counters_places_and_sizes_are_set_anew_with_a_frame(config: Config, nam
     with Rtl(config) as rtl:
         cells = [cell for cell in rtl.cells() if cell.name in names]
         assert len(cells) == len(names)
-        found = upsets(rtl, 0, 3 * len(cells), False, cells)
+        found = upsets(rtl, 0, 2 * len(cells), False, cells)
     assert any(upset.outcome != MASKED for upset in found)
     assert not lasting(found)
 
