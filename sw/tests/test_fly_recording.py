@@ -38,6 +38,7 @@ def test_a_flight(tmp_path: Path) -> None:
     ],
     ids=["map", "grid", "engine"],
 )
+@pytest.mark.slow
 @pytest.mark.skipif(not EUROC.is_dir(), reason="EuRoC V1_01 is not there")
 def test_raw_images_of_a_room(tmp_path: Path, config: str) -> None:
     compare(tmp_path, EUROC, config, 6)
@@ -247,6 +248,7 @@ def test_a_line_that_was_cut_off_is_taken_away(tmp_path: Path, prepared: Path) -
     assert timeless(out) == whole + whole
 
 
+@pytest.mark.slow
 def test_a_frame_that_comes_twice(tmp_path: Path) -> None:
     """A recording that is played patiently repeats nothing; one that is played in time says nothing twice."""
     flight = cases.make_flown_pairs(tmp_path / "flight", 6)

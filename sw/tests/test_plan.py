@@ -278,6 +278,7 @@ def test_a_fixed_wing_flies_around_and_its_plan_is_a_circle_that_closes() -> Non
     assert flight.position_m[2] >= 150.0 and flight.clearance_m > 0.8 * RADIUS_M
 
 
+@pytest.mark.slow
 def test_a_fixed_wing_goes_on_rolling_when_it_decides_anew() -> None:
     """Half a turn at 40 degrees of bank, to a goal behind it, takes less than 5 s, ten decisions a second."""
     goal = goal_of((0.0, 0.0, -400.0), 12.0)

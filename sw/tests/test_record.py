@@ -53,6 +53,7 @@ def test_what_is_recorded_is_read_again(tmp_path: Path) -> None:
         assert abs(frame.t_ns - before_ns) < 60e9  # the time of the day
 
 
+@pytest.mark.slow
 def test_a_video_is_recorded_and_run(run_vista: Vista, tmp_path: Path) -> None:
     camera, given = video(tmp_path / "camera.avi", 60), tmp_path / "given.toml"
     given.write_text(CALIBRATION)
@@ -70,6 +71,7 @@ def test_a_video_is_recorded_and_run(run_vista: Vista, tmp_path: Path) -> None:
         assert abs(float(frame.right.mean()) - float(frame.left.mean()) - 100.0) < 3.0
 
 
+@pytest.mark.slow
 def test_a_rate_thins_out(run_vista: Vista, tmp_path: Path) -> None:
     camera = video(tmp_path / "camera.avi", 40)
     assert (

@@ -73,6 +73,7 @@ class ReferenceFilter:
         self.P = (np.eye(6) - K @ H) @ self.P  # the short form: equal in exact arithmetic
 
 
+@pytest.mark.slow
 def test_the_filter_is_the_textbook_one() -> None:
     random = seeded(1)
     for _ in range(20):

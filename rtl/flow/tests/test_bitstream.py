@@ -38,6 +38,7 @@ def test_without_such_a_seed_there_is_no_bitstream(monkeypatch: pytest.MonkeyPat
         make_bitstream.first_that_is_met(Path(), [1, 2], 60.0)
 
 
+@pytest.mark.slow
 def test_no_pin_is_asked_for_twice(tmp_path: Path) -> None:
     make_bitstream.gateware(tmp_path, [16, 5, 64, 16, 64], 45.0, "192.168.1.50", cameras=True)
     sites = re.findall(r'LOCATE COMP "(.*)" SITE "(\w+)"', (tmp_path / "board.lpf").read_text())

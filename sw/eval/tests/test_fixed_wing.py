@@ -96,6 +96,7 @@ def test_an_empty_world_is_flown_past_its_goal():
     assert abs(outcome.detour) < 0.2
 
 
+@pytest.mark.slow
 def test_a_goal_counts_as_passed_when_it_lies_behind_and_not_far_off():
     world = replace(FAMILIES["clear"].world(0, 1), route_m=((0.0, 0.0, 10.0), (100.0, 0.0, 10.0)))
     (leg,) = legs_of(world, KIND)

@@ -42,6 +42,7 @@ def flown_into_plain_walls(seed: int, width_px: int, case: hunt.Case) -> Outcome
     return outcome(8.0 - 6.0 * told["plainness"] - 0.25 * told["speed_m_s"])
 
 
+@pytest.mark.slow
 def test_a_case_without_parameters_is_a_box_on_the_route():
     world = hunt.world_of({}, 3)
     geometry = Geometry(world.scene)
@@ -64,6 +65,7 @@ def test_walls_become_plain_and_repeat():
     assert repeated[:, period:] == pytest.approx(repeated[:, :-period], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_stop_is_needless_only_where_the_way_is_clear():
     beside, before = {"aside_m": 7.0}, {}
     assert hunt.kind_of(outcome(5.0, stops=1), beside) == "needless stop"

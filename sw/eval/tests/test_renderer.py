@@ -195,6 +195,7 @@ def test_the_cameras_share_what_they_see() -> None:
     assert difference < 0.25 * left[rows, inside].std()
 
 
+@pytest.mark.slow
 def test_what_is_too_fine_becomes_grey() -> None:
     chequers = np.indices((2000, 2000)).sum(axis=0) % 2
     wall = thing("wall", "wall", [board("wall", (0.0, 0.0, 6.0), 20.0, 20.0, chequers.astype(np.float32))])

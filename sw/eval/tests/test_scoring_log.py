@@ -114,6 +114,7 @@ def test_every_version_of_the_projects_log_begins_with_the_one_before() -> None:
         assert now.startswith(shown.stdout), f"the log of {each} is not how it begins now"
 
 
+@pytest.mark.slow
 def test_what_is_scored_is_the_frozen_set() -> None:
     """Scorings name the digest of the set; the set has the flights of the catalog."""
     digests = {}

@@ -29,6 +29,7 @@ def test_the_list_tells_the_split(vista: Vista, tmp_path: Path) -> None:
     assert {line[0]: line[1] for line in lines} == {n: f.split for n, f in catalog.FAMILIES.items()}
 
 
+@pytest.mark.slow
 def test_a_split_is_rendered_and_continued(families: None, vista: Vista, tmp_path: Path) -> None:
     arguments = ("worlds", tmp_path, "--count", 2, "--render-only", "--jobs", 1)
     assert vista(*arguments)[0] == 0
