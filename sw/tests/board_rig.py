@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import cv2
@@ -124,14 +125,23 @@ def texture(board: Board) -> tuple[NDArray[np.uint8], float]:
     return cv2.copyMakeBorder(image, n, n, n, n, cv2.BORDER_CONSTANT, value=255), n / board.square_m
 
 
+@lru_cache(maxsize=8)
+def rays_of_samples(
+    width: int, height: int, matrix: tuple[float, ...], distortion: tuple[float, ...], lens: str
+) -> Array:
+    """The rays of all samples of an image; rigs are few, and tests are many."""
+    model = CameraModel(width, height, np.reshape(matrix, (3, 3)), distortion, lens)
+    offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
+    u, v = ((np.arange(side)[:, None] + offsets).ravel() for side in (width, height))
+    return rays(model, *np.meshgrid(u, v)).astype(np.float32)
+
+
 class Camera:
-    """Renders the board for one camera; the rays of its pixels are worked out once."""
+    """Renders the board for one camera."""
 
     def __init__(self, model: CameraModel, board: Board) -> None:
-        offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
-        u = (np.arange(model.width)[:, None] + offsets).ravel()
-        v = (np.arange(model.height)[:, None] + offsets).ravel()
-        self._rays = rays(model, *np.meshgrid(u, v)).astype(np.float32)
+        matrix = tuple(map(float, model.matrix.ravel()))
+        self._rays = rays_of_samples(model.width, model.height, matrix, model.distortion, model.lens)
         self._model = model
         self._texture, self._px_per_m = texture(board)
         self._offset_px = (1.0 if board.markers else 2.0) * TEXTURE_PX_PER_SQUARE
