@@ -158,6 +158,18 @@ def test_the_panel_holds_four_tiles(size: tuple[int, int]) -> None:
         assert picture.shape[0] > 2 * size[1] and picture.shape[1] > 2 * size[0]
 
 
+def test_a_pair_without_images_shows_its_disparities() -> None:
+    """The nearer the brighter, below the obstacles."""
+    words = np.full(BLACK.shape, -16, np.int16)
+    words[:240], words[240:, 320:] = 16 * 30, 16 * 10
+    result = FakePipeline(CAMERA).process(BLACK, words, 0, None, None)
+    picture = Overlay("flight", 32).obstacles(Frame(0, 0, BLACK, BLACK, None, (words,)), result, None)
+    near, far, none = (
+        np.median(picture[part]) for part in (np.s_[:240], np.s_[240:, 320:], np.s_[240:, :320])
+    )
+    assert near > 2 * far > 100 > none
+
+
 def test_no_regions_at_all() -> None:
     colours = RegionColours().assign(np.full(5, -1, np.int32))
     assert colours.shape == (0, 3)

@@ -18,7 +18,7 @@ from vista.chain import Chain
 from vista.errors import InputError
 from vista.live.loop import Seen, Totals
 from vista.obstacle_line import obstacle_line
-from vista.report.overlay import Overlay, draw_obstacles
+from vista.report.overlay import Overlay
 from vista.report.page import fill_template
 from vista.result_folder import encoded
 
@@ -128,7 +128,7 @@ class LivePage:
             if whole:
                 drawn = self._overlay.draw(step.frame, result, seen.record.health)
             else:
-                drawn = draw_obstacles(step.frame.left, result.obstacles, seen.record.warning)
+                drawn = self._overlay.obstacles(step.frame, result, seen.record.warning)
         return encoded(drawn)
 
     def newest_ns(self) -> int | None:

@@ -69,12 +69,21 @@ class Overlay:
         foveated = np.clip(np.rint(result.cell_intensity), 0, 255).astype(np.uint8)[result.cell_of_pixel]
         colours = self._region_colours.assign(result.region_of_cell)
         tiles = [
-            draw_obstacles(frame.left, result.obstacles, nearest),
+            self.obstacles(frame, result, nearest),
             draw_disparity(result.words, self._num_disparities, self._focal_baseline_px_m),
             _caption(_coloured(foveated), "log-polar cells"),
-            draw_regions(frame.left, result.region_of_pixel, colours, result.verdict_of_region),
+            draw_regions(self._shown(frame), result.region_of_pixel, colours, result.verdict_of_region),
         ]
         return _stack(self._headline(frame, result, health, nearest), tiles)
+
+    def obstacles(self, frame: Frame, result: Result, nearest: Nearest | None) -> Picture:
+        """The first tile by itself."""
+        name = "left image" if frame.words is None else "disparities"
+        return draw_obstacles(self._shown(frame), result.obstacles, nearest, name)
+
+    def _shown(self, frame: Frame) -> NDArray[np.uint8]:
+        """The left image; where the images stayed elsewhere, the disparities, the nearer the brighter."""
+        return frame.left if frame.words is None else _nearness(frame.words[0], self._num_disparities)
 
     def _headline(
         self, frame: Frame, result: Result, health: FrameHealth, nearest: Nearest | None
@@ -96,10 +105,12 @@ class Overlay:
         return facts, "   ".join(warnings)
 
 
-def draw_obstacles(left: NDArray[np.uint8], obstacles: list[Obstacle], nearest: Nearest | None) -> Picture:
-    """Ellipses and labels over the left image. What is nearer is drawn later and gets its label earlier;
-    what is on the collision course comes before everything else."""
-    picture = _coloured(left)
+def draw_obstacles(
+    image: NDArray[np.uint8], obstacles: list[Obstacle], nearest: Nearest | None, name: str = "left image"
+) -> Picture:
+    """Ellipses and labels over an image, whose name the caption has. What is nearer is drawn later and gets
+    its label earlier; what is on the collision course comes before everything else."""
+    picture = _coloured(image)
     nearest_id = None if nearest is None else nearest.id
 
     def importance(obstacle: Obstacle) -> tuple[bool, bool, bool, float]:
@@ -123,7 +134,7 @@ def draw_obstacles(left: NDArray[np.uint8], obstacles: list[Obstacle], nearest: 
             f"{obstacle_name(obstacle.id)}  {where}", *_top(obstacle), _colour(obstacle, nearest_id)
         )
     labels.draw()
-    return _caption(picture, "left image, obstacles")
+    return _caption(picture, f"{name}, obstacles")
 
 
 def on_collision_course(obstacle: Obstacle) -> bool:
@@ -136,13 +147,18 @@ def _colour(obstacle: Obstacle, nearest_id: int | None) -> Colour:
     return YELLOW if obstacle.confirmed else GREY
 
 
+def _nearness(words: NDArray[np.int16], num_disparities: int) -> NDArray[np.uint8]:
+    """0 without a disparity or with that of 0, 255 for the largest one."""
+    levels = words.astype(np.float32) * (255.0 / (SCALE * (num_disparities - 1)))
+    return np.asarray(np.clip(levels, 0, 255), np.uint8)
+
+
 def draw_disparity(
     words: NDArray[np.int16], num_disparities: int, focal_baseline_px_m: float | None = None
 ) -> Picture:
     """Near is red, far is blue, invalid is dark. A scale gives the distances if the product of focal length
     and baseline is given."""
-    levels = np.clip(words.astype(np.float32) * (255.0 / (SCALE * (num_disparities - 1))), 0, 255)
-    picture = _turbo(levels.astype(np.uint8))
+    picture = _turbo(_nearness(words, num_disparities))
     picture[words < 0] = INK
     valid = 100.0 * np.mean(words >= 0)
     text = f"disparity 0 to {num_disparities - 1} px, {valid:.0f} % valid"
