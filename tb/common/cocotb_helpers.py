@@ -12,12 +12,14 @@ from cocotb.handle import SimHandleBase
 from cocotb.triggers import FallingEdge, Timer
 
 PERIOD_NS = 10  # of the clock
+SEED = int(os.environ.get("VISTA_SEED", "1"))
+_tests = random.Random(SEED)
 
 
 def seeded(dut: SimHandleBase) -> random.Random:
-    seed = int(os.environ.get("VISTA_SEED", "1"))
-    cocotb.log.info("seed %d; rerun: VISTA_SEED=%d pytest tb/test_units.py -k %s", seed, seed, dut._name)
-    return random.Random(seed)
+    """Dice for a test. Each test of a bench has others, also those that differ in their parameters alone."""
+    cocotb.log.info("seed %d; rerun: VISTA_SEED=%d pytest tb/test_units.py -k %s", SEED, SEED, dut._name)
+    return random.Random(_tests.getrandbits(30))
 
 
 def parameter(name: str) -> int:

@@ -13,7 +13,13 @@ from vista_model.c_engine import CEngine
 from vista_model.engine import INVALID, Parameters
 
 Image = npt.NDArray[np.uint8]
-IMAGE_KINDS = ("noise", "shifted", "gradient", "repeated", "black", "saturated", "checker", "flat_patches")
+# Kinds of images, and how often they are drawn.
+IMAGE_SHARES = {
+    "noise": 0.15, "shifted": 0.2, "gradient": 0.1, "repeated": 0.1, "black": 0.05, "saturated": 0.05,
+    "checker": 0.05, "flat_patches": 0.05, "faint": 0.2, "black_and_white": 0.05,
+}  # fmt: skip
+IMAGE_KINDS = tuple(IMAGE_SHARES)
+MAX_CAP = 63
 
 
 @dataclass
@@ -35,6 +41,13 @@ def random_pair(rng: np.random.Generator, kind: str, height: int, width: int) ->
     columns = np.arange(width)
     if kind == "noise":
         return noise[0], noise[1]
+    if kind == "faint":  # costs so small that many nearly tie, or lie at the bound of uniqueness
+        faint = noise % np.uint8(rng.integers(2, 9))
+        right = faint[1] if rng.integers(2) else faint[0] + (noise[1] & 1)
+        return faint[0], np.roll(right, -int(rng.integers(0, 12)), 1)
+    if kind == "black_and_white":  # some of the largest costs, beside small ones
+        noise = (noise & 1) * np.uint8(255)
+        return noise[0], np.roll(noise[rng.integers(2)], -int(rng.integers(0, 12)), 1)
     if kind == "shifted":  # a slanted plane of true disparities, with a little noise
         shift = rng.integers(0, 24) + np.arange(height)[:, None] * rng.integers(0, 3) // 4
         source = np.clip(columns[None, :] + shift, 0, width - 1)
@@ -63,16 +76,18 @@ def random_pair(rng: np.random.Generator, kind: str, height: int, width: int) ->
 
 def random_parameters(rng: np.random.Generator, num_disparities: int, block_size: int) -> Parameters:
     area = block_size * block_size
+    thresholds = area * 8, area * MAX_CAP + 2, 65536
     return Parameters(
         num_disparities=num_disparities,
         block_size=block_size,
         prefilter=("xsobel", "none")[rng.integers(2)],
-        prefilter_cap=int(rng.choice([1, 31, 63, rng.integers(1, 64)])),
+        prefilter_cap=int(rng.choice([1, 31, MAX_CAP, rng.integers(1, MAX_CAP + 1)])),
         texture_threshold=int(
-            rng.choice([0, 10, rng.integers(0, area * 8), rng.integers(0, 65536)], p=[0.4, 0.2, 0.3, 0.1])
+            rng.choice([0, 10, *(rng.integers(0, end) for end in thresholds)], p=[0.4, 0.1, 0.25, 0.15, 0.1])
         ),
-        uniqueness_ratio=int(rng.choice([0, 15, 100, rng.integers(0, 101)])),
-        lr_max_diff=(None, 0, 1, int(rng.integers(0, 256)))[rng.integers(4)],
+        # With multiples of 5 the bound is a whole number for many costs.
+        uniqueness_ratio=int(rng.choice([0, 15, 100, 5 * rng.integers(0, 21), rng.integers(0, 101)])),
+        lr_max_diff=(None, 0, 1, 1 << int(rng.integers(8)), int(rng.integers(0, 256)))[rng.integers(5)],
     )
 
 
@@ -97,7 +112,7 @@ def random_frame(
     )
     left, right = random_pair(
         rng,
-        str(rng.choice(IMAGE_KINDS, p=[0.25, 0.3, 0.1, 0.1, 0.05, 0.05, 0.1, 0.05])),
+        str(rng.choice(IMAGE_KINDS, p=list(IMAGE_SHARES.values()))),
         height,
         min(width, max_width),
     )
