@@ -3,13 +3,16 @@
 
 Yosys picks mutations of a flattened module and puts all of them into one netlist, chosen by an input. One
 Verilated build then serves every mutant. Caught means: a word, its framing or the pace differs, or nothing
-comes. The core is driven from here, the blocks of the front end by their cocotb benches.
+comes. The core is driven from here, the blocks of the front end by their cocotb benches. Of a mutant that no
+bench catches a proof is tried that nothing can tell it from the whole netlist (equivalent_mutant.py). The
+share that is caught is one of those that are not proved.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import re
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -25,7 +28,9 @@ from behind_writes import LAST, behind_the_first_pixel, right_behind  # noqa: E4
 from broken_video import FAULTS, fault_size  # noqa: E402
 from faults import expected_after, react  # noqa: E402
 from frames import Frame, beats, expected_flags, random_frame, random_pair, set_up  # noqa: E402
-from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT  # noqa: E402
+from raw_frames import random_one  # noqa: E402
+from registers import CONTROL, ERRORS, FRAMES_IN, FRAMES_OUT, INTERRUPT, STOPPED  # noqa: E402
+from stops import stopped_inside  # noqa: E402
 from tools import BUILD, sources, verilator_environment  # noqa: E402
 from verilated import PACES, Config, Pace, Rtl, Stand  # noqa: E402
 from vista_eval.cache import digest_of  # noqa: E402
@@ -41,6 +46,7 @@ def with_mutants(_: Config) -> list[Path]:
 
 CONFIG = Config(16, 5, 64, stand=Stand("mutants", MUTANTS, with_mutants, has_parameters=True))
 WIDTH, HEIGHT = fault_size(CONFIG.num_disparities, CONFIG.block_size)
+NARROWEST = CONFIG.num_disparities + CONFIG.block_size - 1  # of the frames that are matched
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,11 @@ class Target:
     @property
     def mutants(self) -> str:
         return f"{self.top}_mutants"
+
+    @property
+    def netlist(self) -> Path:
+        """Without a mutation, for the proofs."""
+        return self.folder / "netlist.il"
 
 
 CORE = Target(
@@ -78,11 +89,12 @@ TARGETS = {
     "pyramid": Target("vista_pyramid", (("MaxWidth", 40), ("SideWidth", 8))),
 }
 LIMIT = 0.9
-SURVIVES = "SURVIVES"
+SURVIVES, EQUIVALENT = "SURVIVES", "equivalent"
+PROOF = Path(__file__).with_name("equivalent_mutant.py")
 SELECT_BITS = 10  # of mutsel
 FRAMES = 300  # for a mutant to survive,
-TALL_EACH, TALLEST = 30, 600  # one of so many, with up to so many rows,
-WRITES = 30  # and frames right behind writes
+TALL_EACH, TALLEST = 30, 4096  # one of so many, with fewer rows than that,
+WRITES, STOPS = 30, 10  # frames right behind writes, and stops
 
 
 def make_mutants(target: Target, count: int, seed: int) -> list[str]:
@@ -98,7 +110,7 @@ design = ys.Design()
 def run(command): ys.run_pass(command, design)
 run("read_slang --top {target.top} {parameters} {files}")
 run("hierarchy -top {target.top}; proc; flatten; opt -full; memory_collect; opt_clean")
-run("rename {target.top} {target.mutants}")
+run("rename {target.top} {target.mutants}; write_rtlil {target.netlist.name}")
 run("mutate -list {count} -seed {seed} -o mutations.txt -ctrl mutsel {SELECT_BITS} 1")
 lines = [l for l in pathlib.Path("mutations.txt").read_text().splitlines() if l]
 for n, line in enumerate(lines, 1):
@@ -106,11 +118,23 @@ for n, line in enumerate(lines, 1):
 run("bwmuxmap; opt_clean; write_verilog -noattr mutants.v")
 """
     (folder / "make.py").write_text(script)
-    with (folder / "yosys.log").open("w") as log:
-        subprocess.run(
-            [str(ROOT / ".venv/bin/python"), "make.py"], cwd=folder, check=True, stdout=log, stderr=log
-        )
+    run_yosys(folder, "yosys.log", "make.py").check_returncode()
+    run_yosys(folder, "whole.log", PROOF, target.netlist).check_returncode()
     return [line for line in (folder / "mutations.txt").read_text().splitlines() if line]
+
+
+def run_yosys(folder: Path, log: str, *command: str | Path) -> subprocess.CompletedProcess[bytes]:
+    """Runs a script of Yosys, which takes over the process that imports it."""
+    with (folder / log).open("w") as out:
+        python = ROOT / ".venv/bin/python"
+        return subprocess.run([str(part) for part in (python, *command)], cwd=folder, stdout=out, stderr=out)
+
+
+def proved_equivalent(target: Target, number: int) -> str | None:
+    lines = (target.folder / "mutations.txt").read_text().split("\n")
+    mutation = re.sub(r"-ctrl \S+ \d+ \d+ ", "", lines[number - 1])  # alone, and for ever
+    proof = run_yosys(target.folder, f"proof_{number}.log", PROOF, target.netlist, mutation)
+    return None if proof.returncode else EQUIVALENT
 
 
 def write_core() -> None:
@@ -134,12 +158,16 @@ def caught(rtl: Rtl) -> str | None:
 
 
 def caught_by_writes(rtl: Rtl) -> str | None:
-    """Looks at frames right behind writes; rtl: took whole frames, and has none inside."""
+    """Looks at frames right behind writes, and stops; rtl: took whole frames, and has none inside."""
     try:
         for seed in range(WRITES):
             rng = np.random.default_rng(seed)
             behind_the_first_pixel(rtl, rng, seed)
             right_behind(rtl, rng, LAST[seed % len(LAST)], seed)
+        rtl.write(INTERRUPT, STOPPED)  # writes have stopped it as well
+        for seed in range(STOPS):
+            rng = np.random.default_rng(seed)
+            stopped_inside(rtl, random_one(rng, CONFIG), rng, seed)
     except AssertionError:
         return "writes"
     return None
@@ -154,8 +182,8 @@ def caught_by_frames(rtl: Rtl) -> str | None:
         stream = beats(frame.left, frame.right)
         paces = PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))]
         if seed % TALL_EACH == 0:
-            height = int(rng.integers(100, TALLEST))
-            frame = Frame(*random_pair(rng, "shifted", height, WIDTH), frame.parameters)
+            height = int(2 ** rng.uniform(7, np.log2(TALLEST)))
+            frame = Frame(*random_pair(rng, "shifted", height, NARROWEST), frame.parameters)
             stream = beats(frame.left, frame.right)
         elif seed % 3 == 2:
             frame = Frame(*random_pair(rng, "shifted", HEIGHT, WIDTH), frame.parameters)
@@ -220,17 +248,21 @@ def failing_test(target: Target, number: int) -> str | None:
 
 def verdict_of(target: Target, number: int) -> str:
     """The verdict on one mutant; 0 is the netlist without a mutation."""
+    return found_by_bench(target, number) or (number and proved_equivalent(target, number)) or SURVIVES
+
+
+def found_by_bench(target: Target, number: int) -> str | None:
     if target != CORE:
-        return failing_test(target, number) or SURVIVES
+        return failing_test(target, number)
     with Rtl(CONFIG) as rtl:
         rtl.select_mutant(number)
-        return caught(rtl) or SURVIVES
+        return caught(rtl)
 
 
 def jobs_of_mutants(target: Target, count: int) -> list[Job]:
     """A verdict holds as long as the mutants and what drives them are the same."""
     drivers = sorted([*(ROOT / "tb" / "common").glob("*.py"), *(ROOT / "tb" / "units").glob("*.py")])
-    digest = digest_of(target.folder / "mutants.v", Path(__file__), *drivers)
+    digest = digest_of(target.folder / "mutants.v", Path(__file__), PROOF, *drivers)
     numbers = range(1, count + 1)
     return [Job(f"mutant {n}", partial(verdict_of, target, n), digest_of(f"{digest} {n}")) for n in numbers]
 
@@ -255,15 +287,15 @@ def main() -> None:
     jobs = jobs_of_mutants(target, len(mutations))
     with exit_on_failure():
         verdicts = run(jobs, chosen_place(args), "mutants", "mutant", target.folder / "verdicts")
-    survivors = []
     for number, (mutation, verdict) in enumerate(zip(mutations, verdicts, strict=True), 1):
-        print(f"{number:3} {verdict}", flush=True)
-        if verdict == SURVIVES:
-            survivors.append(f"{number}: {mutation}")
-    share = 1 - len(survivors) / len(mutations)
-    print(f"{100 * share:.0f} % of {len(mutations)} mutants caught; survivors:")
-    for mutation in survivors:
-        print("  " + mutation)
+        print(f"{number:3} {verdict}" + f": {mutation}" * (verdict in (SURVIVES, EQUIVALENT)), flush=True)
+    survive, equivalent = (verdicts.count(verdict) for verdict in (SURVIVES, EQUIVALENT))
+    caught_count = len(verdicts) - survive - equivalent
+    share = caught_count / (len(verdicts) - equivalent)
+    print(
+        f"{caught_count} of {len(verdicts)} mutants caught, {equivalent} proved to be equivalent, "
+        f"{survive} survive: {100 * share:.1f} % of the others"
+    )
     sys.exit(share < LIMIT)
 
 
