@@ -17,16 +17,18 @@ def right_behind(rtl: Rtl, rng: np.random.Generator, last: str, seed: int) -> No
     rtl.write(CONTROL, ENABLE)
     written(rtl, before.writes())
     rtl.write(CONTROL, ENABLE if last != "enable" else 0)
-    sent = before.stream[: int(rng.integers(before.left.size + 1))] if last != "commit" else before.stream
+    at = int(rng.integers(before.left.size + 1))
+    goes_on = last == "soft reset" and at > 0 and bool(rng.integers(2))  # the video, behind the reset
+    sent = before.stream if last == "commit" or goes_on else before.stream[:at]
     writes = frame.writes()
-    if last == "soft reset" and rng.integers(2):
+    if last == "soft reset" and not goes_on and rng.integers(2):
         writes.append((CONTROL, ENABLE | SOFT_RESET))
     elif last == "soft reset":
         writes.insert(0, (CONTROL, ENABLE | SOFT_RESET))
     elif last == "enable":
         writes.append((CONTROL, ENABLE))
     for address, data in writes:
-        rtl.queue_write(len(sent), len(sent), address, data)
+        rtl.queue_write(at if goes_on else len(sent), len(sent), address, data)
     begun = rtl.read(FRAMES_IN)
     stream = np.concatenate([sent, frame.stream])
     expected, flags = frame.words(), frame.flags()
