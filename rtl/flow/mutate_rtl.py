@@ -67,7 +67,7 @@ class Target:
 
     @property
     def netlist(self) -> Path:
-        """Without a mutation, for the proofs."""
+        """Returns the place of the netlist without a mutation, for the proofs."""
         return self.folder / "netlist.il"
 
 
