@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import random
 from collections.abc import Iterable
@@ -13,13 +14,13 @@ from cocotb.triggers import FallingEdge, Timer
 
 PERIOD_NS = 10  # of the clock
 SEED = int(os.environ.get("VISTA_SEED", "1"))
-_tests = random.Random(SEED)
+_tests = itertools.count()  # of the bench that is run
 
 
 def seeded(dut: SimHandleBase) -> random.Random:
     """Dice for a test. Each test of a bench has others, also those that differ in their parameters alone."""
     cocotb.log.info("seed %d; rerun: VISTA_SEED=%d pytest tb/test_units.py -k %s", SEED, SEED, dut._name)
-    return random.Random(_tests.getrandbits(30))
+    return random.Random(SEED + (next(_tests) << 32))
 
 
 def parameter(name: str) -> int:

@@ -18,7 +18,7 @@ async def rivals_are_found(dut):
         if clock > LATENCY:  # the first costs come without a winner before them
             assert bool(dut.rival_o.value) == expected[clock - LATENCY]
         winner = winners[clock]
-        bound = random.randrange(1, (1 << COST_W) - 2)
+        bound = random.randrange(1, (1 << COST_W) - 3)
         costs = [bound + 1 + random.randrange(3) for _ in range(D)]
         for _ in range(random.randrange(3)):
             costs[(winner + random.choice([-2, -1, 0, 1, 2, random.randrange(D)])) % D] = (
