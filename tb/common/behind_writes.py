@@ -68,9 +68,8 @@ def behind_the_first_pixel(rtl: Rtl, rng: np.random.Generator, seed: int) -> Non
             waiting = first - int(rng.choice([0, 1, 1, 2, 2, 2]))
             for address, data in [*sets, *sets]:
                 rtl.queue_write(waiting, waiting, address, data)
-        rtl.queue_write(
-            first + int(rng.integers(3)), end, *commit
-        )  # behind beat that is offered, or was taken
+        behind = first + int(rng.integers(3))  # beat that is offered, or was taken
+        rtl.queue_write(behind, end, *commit)
     stream = np.concatenate([part.stream for part in frames])
     expected = np.concatenate([part.words() for part in frames])
     paces = [Pace(1000, 16), *PACES] if front_end else [Pace(200, 40), Pace(200, 40), Pace(20, 5), Pace()]
@@ -79,3 +78,5 @@ def behind_the_first_pixel(rtl: Rtl, rng: np.random.Generator, seed: int) -> Non
     assert got.taken == len(stream), "the input hung"
     assert len(got.words) == len(expected)
     assert (got.words == expected).all()
+    assert (got.flags == np.concatenate([part.flags() for part in frames])).all()
+    assert rtl.read(ERRORS) == 0
