@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A mutation is proved to be equivalent if nothing can show it, and no other is."""
 
 from __future__ import annotations
