@@ -412,7 +412,7 @@ def test_sensors_that_fail_give_right_frames_or_none(tmp_path: Path) -> None:
     file, words = shown_to(tmp_path, settings)
     seed = str(seeded(2423).integers(1 << 30))
     faults = ["--pairs", str(file), *SENSORS, "--faults", "0.33", "--sensor-seed", seed]
-    said, found = streamed(tmp_path, settings, 20, *faults)
+    said, found = streamed(tmp_path, settings, 30, *faults)
     ill = {int(moment): what for moment, _, what in said["fault"]}
     (frames, lost, left, right, moments) = map(int, said["counts"][0])
     first = next(i for i, one in enumerate(words) if np.array_equal(found[0], one))
