@@ -97,12 +97,13 @@ JPEG_ROOT = $(if $(shell test -d $(JPEG)/root && echo fetched),$(CURDIR)/$(JPEG)
 $(JPEG)/stamp: scripts/setup_jpeg.sh scripts/debian_packages.sh scripts/requirements/jpeg.txt
 	@scripts/setup_jpeg.sh
 
-# CMake compiles what has changed since; the flags are given anew each time, for they may have changed too.
+# CMake compiles what has changed since; the flags are given anew each time, for they may have changed too. Ninja knows by
+# itself how much it may do at once.
 native: .venv/build.stamp $(JPEG)/stamp ## build only the native libraries and the C programs
 	@$(call need,$(CC))$(CMAKE) -S . -B $(BUILD) -G Ninja -DCMAKE_MAKE_PROGRAM=$(CURDIR)/.venv/bin/ninja \
 	  -DCMAKE_C_COMPILER=$(CC) -DCMAKE_C_FLAGS_RELEASE="$(CFLAGS) $(SANITIZE)" -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) \
 	  -DVISTA_JPEG=$(JPEG_ROOT) -DVISTA_PYTHON=ON $(DEVELOPER:%=-DVISTA_DEVELOPER=%) >/dev/null
-	@$(CMAKE) --build $(BUILD)
+	@MAKEFLAGS= $(CMAKE) --build $(BUILD)
 
 # For what make itself links.
 $(BUILD)/lib/libvista_engine.so build/lib/libvista.a: native ;@:
