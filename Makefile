@@ -175,7 +175,7 @@ generate: .venv/test.stamp ## write generated sources and tables anew, after a c
 # Style, types and what is generated do not wait for each other.
 AT_ONCE = @$(MAKE) --no-print-directory --output-sync -j "$$(nproc)"
 
-check: build systemc-tests .venv/jobs.stamp $(RTL_TOOLS) ## check style and types and run the fast tests: under a minute, to be run often
+check: build systemc-tests .venv/jobs.stamp $(RTL_TOOLS) ## check style and types and run the fast tests: about a minute, to be run often
 	$(AT_ONCE) lint types
 	@$(PYTHON) -m pytest -n "$$(nproc)" -m "not slow"
 

@@ -15,8 +15,7 @@ ROOT = Path(__file__).parent
 for _threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"):
     os.environ.setdefault(_threads, "1")
 
-# Processes of tests keep the memory of images, which the system would clear anew each time: a fifth of all
-# time.
+# Processes of tests keep the memory of images, which the system would clear anew for each image.
 os.environ.setdefault("MALLOC_MMAP_THRESHOLD_", str(32 << 20))  # bytes; the most that glibc takes
 os.environ.setdefault("MALLOC_TRIM_THRESHOLD_", str(1 << 30))
 
