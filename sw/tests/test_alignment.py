@@ -227,6 +227,7 @@ def test_nothing_changes_where_there_is_too_little_to_see(where: str, nothing) -
     assert {frame.alignment.health for frame in frames[25:]} == {Health.HEALTHY}
 
 
+@pytest.mark.same_c
 def test_noise_on_plain_images_changes_nothing() -> None:
     def change(k: int, left: Grey, right: Grey) -> tuple[Grey, Grey]:
         return noisy(6.0)(k, *flat(k, left, right))

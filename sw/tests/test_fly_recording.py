@@ -21,6 +21,7 @@ EUROC, KITTI = SHARED_DATA / "euroc_v101", SHARED_DATA / "kitti_odometry" / "seq
 
 
 @pytest.mark.slow
+@pytest.mark.same_c
 def test_a_flight(tmp_path: Path) -> None:
     lines, _ = compare(tmp_path, write_flight(tmp_path / "flight", frames=20), frames=20)
     assert len(lines) == 20
@@ -32,7 +33,7 @@ def test_a_flight(tmp_path: Path) -> None:
     "config",
     [
         "",
-        "[stereo]\nrectify_rows = 128\n",
+        pytest.param("[stereo]\nrectify_rows = 128\n", marks=pytest.mark.same_c),
         '[stereo]\nsmooth = "binomial3"\nlevels = 2\nlr_max_diff = -1\nprefilter = "none"\n'
         "[host]\nthreads = 2\n",
     ],

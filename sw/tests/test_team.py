@@ -17,6 +17,7 @@ from board_flight import BoardFrame, board_flight
 from pipeline_library import CALIBRATION, Frame, Pipeline, default_parameters
 from random_seed import seeded
 from stage_library import Arena, ffi, lib, status_name
+from tools import digest_of, made_once
 from vista import parameters
 from vista import pipeline as product
 
@@ -198,23 +199,32 @@ def test_the_thread_sleeps_between_frames() -> None:
     lib.vista_pipeline_destroy(pipeline.handle)
 
 
+def built_for_races() -> Path:
+    """vista-fly with ThreadSanitizer, compiled anew where a source has changed."""
+    of_sources = [REPOSITORY / folder for folder in ("sw/apps/fly", "sw/src", "model/c/src")]
+    of_headers = [REPOSITORY / folder for folder in ("sw/include", "model/c/include", "rtl/csr", "rtl/board")]
+    sources = [str(path) for folder in of_sources for path in sorted(folder.rglob("*.c"))]
+    headers = [path for folder in (*of_sources, *of_headers) for path in sorted(folder.rglob("*.h"))]
+    folder = REPOSITORY / "build" / "races"
+    program = folder / "vista-fly"
+    command = ["gcc", "-std=c17", "-O0", "-g", "-fsanitize=thread", "-ffp-contract=off"]
+    command += [f"-I{place}" for place in (*of_headers, REPOSITORY / "sw/src")]
+    command += ["-D_GNU_SOURCE=", "-Wno-tsan", *sources, "-o", str(program), "-lm", "-lpthread"]
+
+    def make() -> None:
+        built = subprocess.run(command, capture_output=True, text=True, check=False)
+        if "tsan" in built.stderr:
+            pytest.skip(f"no ThreadSanitizer here: {built.stderr.strip().splitlines()[-1]}")
+        assert built.returncode == 0, built.stderr
+
+    return made_once(program, folder, digest_of([*map(Path, sources), *headers], *command), make)
+
+
 @pytest.mark.slow
 @pytest.mark.skipif("asan" in os.environ.get("LD_PRELOAD", ""), reason="built for another sanitizer")
 def test_no_data_race(tmp_path: Path) -> None:
     """vista-fly under ThreadSanitizer."""
-    folders = [REPOSITORY / folder for folder in ("sw/apps/fly", "sw/src", "model/c/src")]
-    sources = [str(path) for folder in folders for path in sorted(folder.rglob("*.c"))]
-    includes = [
-        f"-I{REPOSITORY / folder}"
-        for folder in ("sw/include", "sw/src", "model/c/include", "rtl/csr", "rtl/board")
-    ]
-    program = tmp_path / "vista-fly"
-    command = ["gcc", "-std=c17", "-O0", "-g", "-fsanitize=thread", "-ffp-contract=off", *includes]
-    command += ["-D_GNU_SOURCE=", "-Wno-tsan", *sources, "-o", str(program), "-lm", "-lpthread"]
-    built = subprocess.run(command, capture_output=True, text=True, check=False)
-    if "tsan" in built.stderr:
-        pytest.skip(f"no ThreadSanitizer here: {built.stderr.strip().splitlines()[-1]}")
-    assert built.returncode == 0, built.stderr
+    program = built_for_races()
     rng = seeded(3)
     flown = recording_cases.record(
         tmp_path / "board.rec", [shuffled(frame, rng) for frame in board_flight()[:4]], levels=3
@@ -222,7 +232,17 @@ def test_no_data_race(tmp_path: Path) -> None:
     # Its shadow memory asks for addresses that are not drawn at random.
     fixed = ["setarch", "-R"] if shutil.which("setarch") else []
     run = subprocess.run(
-        [*fixed, str(program), "--recording", str(flown), "--all-frames", "--threads", "2"],
+        [
+            *fixed,
+            str(program),
+            "--recording",
+            str(flown),
+            "--all-frames",
+            "--threads",
+            "2",
+            "--watchdog",
+            "60",
+        ],
         capture_output=True,
         text=True,
         check=False,
