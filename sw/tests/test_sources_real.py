@@ -1,4 +1,4 @@
-"""Real recordings through several sources give the same obstacles: 30 frames of a street, EuRoC's V1_01.
+"""Real recordings through several sources give the same obstacles: 15 frames of a street, EuRoC's V1_01.
 
 Videos have times in milliseconds, so the frames are given even times first."""
 
@@ -20,7 +20,7 @@ START_NS, PERIOD_NS = 1_600_000_000_000_000_000, 50_000_000
 RECORDINGS = {"street": "kitti_odometry/sequences/00", "EuRoC": "euroc_v101"}
 
 
-def record(sequence: Sequence, frames: int = 30) -> Recording:
+def record(sequence: Sequence, frames: int = 15) -> Recording:
     taken = [sequence.read(files) for files in sequence.frames[:frames]]
     timed = [replace(frame, t_ns=START_NS + index * PERIOD_NS) for index, frame in enumerate(taken)]
     up = "" if sequence.up_world is None else f"up_world = {sequence.up_world.tolist()}\n"

@@ -21,10 +21,9 @@ STATIC = re.compile(
 def objects() -> dict[str, str]:
     """Name of each source -> what nm says of its object, those of the library with its stages in reach."""
     found = {}
-    for path in BUILD.rglob("*.c.o"):
-        if "vista_stages" in path.as_posix():
-            run = subprocess.run(["nm", path], capture_output=True, text=True, check=True)
-            found[path.name.removesuffix(".c.o")] = run.stdout
+    for path in (BUILD / "sw/CMakeFiles/vista_stages.dir").rglob("*.c.o"):
+        run = subprocess.run(["nm", path], capture_output=True, text=True, check=True)
+        found[path.name.removesuffix(".c.o")] = run.stdout
     return found
 
 

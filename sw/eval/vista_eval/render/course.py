@@ -3,6 +3,7 @@ navigation filter with faults records of it."""
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 
@@ -67,6 +68,7 @@ class Gusts:
     sigma_m_s: float = 0.0
     seed: int = 1
 
+    @functools.cache  # noqa: B019 (a few numbers for each flight)
     def terms(self, axis: int) -> Terms:
         random = np.random.default_rng((self.seed, axis))
         phases = random.uniform(0, 2 * math.pi, len(GUST_HZ))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -81,9 +82,14 @@ def _inner(corners_m: np.ndarray) -> Iterator[np.ndarray]:
     """Points within those triangles (N, 3, 3) that are longer than a step."""
     sides = np.linalg.norm(corners_m - np.roll(corners_m, 1, axis=1), axis=2).max(axis=1)
     for corners, side in zip(corners_m[sides > STEP_M], sides[sides > STEP_M], strict=True):
-        t = np.linspace(0, 1, 2 + int(side / STEP_M))
-        weights = np.array([(a, b, 1 - a - b) for a in t for b in t if a + b <= 1 + 1e-9])
-        yield weights @ corners
+        yield _weights(2 + int(side / STEP_M)) @ corners
+
+
+@functools.cache
+def _weights(count: int) -> np.ndarray:
+    """(N, 3) barycentric coordinates of the points of a triangle with so many on each side."""
+    t = np.linspace(0, 1, count)
+    return np.array([(a, b, 1 - a - b) for a in t for b in t if a + b <= 1 + 1e-9])
 
 
 def nearness_m(solid: Solid, path: Path) -> float:
