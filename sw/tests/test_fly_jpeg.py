@@ -126,6 +126,7 @@ def test_what_is_no_whole_picture(program: Path) -> None:
     assert decode(program, wrong) == [None] * len(wrong)
 
 
+@pytest.mark.slow
 def test_damaged_bytes_do_no_harm(program: Path) -> None:
     """AddressSanitizer and UndefinedBehaviorSanitizer watch."""
     data, rng = encoded(picture(160, 120)), seeded(1)

@@ -152,7 +152,7 @@ def footprint(f: Foveation, node: int) -> tuple[np.ndarray, np.ndarray]:
     return np.nonzero(f.cell_of_pixel == node)
 
 
-@pytest.mark.parametrize("sectors", [16, 60, 256])
+@pytest.mark.parametrize("sectors", [16, 60, pytest.param(256, marks=pytest.mark.slow)])
 def test_cells_average_their_pixels(sectors: int) -> None:
     random = seeded(6 + sectors)
     for _ in range(3):

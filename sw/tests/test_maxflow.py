@@ -95,6 +95,7 @@ def test_polar_graphs_of_a_synthetic_image_equal_scipy() -> None:
         assert_equals_scipy(case, solve(case), case.name)
 
 
+@pytest.mark.slow
 def test_polar_graphs_of_real_images_equal_scipy() -> None:
     images = real_images()
     if not images:
@@ -116,6 +117,7 @@ def test_cuts_of_a_real_frame_equal_scipy() -> None:
         assert_equals_scipy(case, solve(case), case.name)
 
 
+@pytest.mark.slow
 def test_one_solver_for_many_subsets_keeps_nothing_from_the_last_cut() -> None:
     rng = seeded(4)
     (case, *_) = polar_cases("synthetic image", synthetic_image(4), seed=4)

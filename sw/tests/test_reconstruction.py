@@ -39,6 +39,7 @@ def reconstruct(region):
     return status_name(lib.vista_reconstruct_region(frame(), region, result)), result
 
 
+@pytest.mark.slow
 def test_positions_are_those_of_opencv() -> None:
     random = seeded(1)
     left = np.array([[FOCAL, 0, CENTER[0], 0], [0, FOCAL, CENTER[1], 0], [0, 0, 1, 0]])

@@ -96,7 +96,7 @@ def test_a_plain_wall_stands_on_ground_that_only_the_coarser_level_has_words_of(
         assert space.look((0.0, 0.0, 14.0), 1.0).beyond == pytest.approx(feet / SPACE_FRAMES, abs=0.05)
 
 
-@pytest.mark.parametrize("width", [WIDTH, 640, 1280])
+@pytest.mark.parametrize("width", [WIDTH, 640, pytest.param(1280, marks=pytest.mark.slow)])
 def test_a_wire_that_only_the_engine_has_words_of_is_at_its_range(width: int) -> None:
     """One row of words that the filters have dropped; in the others what is behind it, or nothing."""
     lens = camera(width, 240, 300.0, 0.8)

@@ -186,6 +186,7 @@ def test_a_fault_is_named_within_three_frames_and_no_longer_when_it_has_gone(nam
     assert held or all(reason not in reasons for reasons in found[END + 1 :])
 
 
+@pytest.mark.slow
 def test_nothing_is_said_of_a_flight_without_fault() -> None:
     assert list(fly(lambda k: flight()[k])) == [set()] * FRAMES
 

@@ -135,6 +135,7 @@ def test_it_holds_its_place_in_wind():
     assert vehicle.state.heading_rad == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.slow
 def test_it_stops_no_shorter_than_its_limits_allow():
     vehicle = Multirotor(np.zeros(3) + 10.0, 0.0)
     flown(vehicle, Setpoint(np.array([6.0, 0, 0]), 0.0), 5.0)

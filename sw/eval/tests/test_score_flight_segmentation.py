@@ -54,6 +54,7 @@ def test_pooling_keeps_every_thing() -> None:
     assert [score.iou for score in pooled.things] == [0.1, 0.2, 0.3]
 
 
+@pytest.mark.slow
 def test_what_was_scored_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, cache = disk.write_flight(tmp_path / "sign", frames=2, last_range_m=20.0), tmp_path / "kept.json"
     first = segment_cached(folder, parameters.defaults(), cache)
