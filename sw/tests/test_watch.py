@@ -186,6 +186,34 @@ def test_a_fault_is_named_within_three_frames_and_no_longer_when_it_has_gone(nam
     assert held or all(reason not in reasons for reasons in found[END + 1 :])
 
 
+@cache
+def at_rest() -> list[Given]:
+    images = [(seen(0.0, 0.0, k), seen(0.0, BASELINE_M, k)) for k in range(FRAMES)]
+    return [replace(flight()[0], images=pair, t_ns=k * PERIOD_NS) for k, pair in enumerate(images)]
+
+
+def few_corners(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """All plain but one place on each wall."""
+    plain = np.full_like(image, 110)
+    for left in (120, 400):
+        plain[160:280, left : left + 140] = image[160:280, left : left + 140]
+    return plain
+
+
+@pytest.mark.parametrize("right_px", [1.0, -1.0, 5.0])
+@pytest.mark.parametrize("given", ["as it is", "few corners", "at rest"])
+def test_a_sudden_turn_in_yaw_is_named_in_its_frame_and_as_long_as_it_lasts(
+    given: str, right_px: float
+) -> None:
+    def shot(k: int) -> Given:
+        of = at_rest()[k] if given == "at rest" else flight()[k]
+        left, right = of.images if given != "few corners" else map(few_corners, of.images)
+        return replace(of, images=(left, moved(right, right_px, 0.0) if ONSET <= k < END else right))
+
+    named = [Reason.DISPARITIES_OFF in reasons for reasons in fly(shot)]
+    assert named == [ONSET <= k < END for k in range(FRAMES)]
+
+
 @pytest.mark.slow
 def test_nothing_is_said_of_a_flight_without_fault() -> None:
     assert list(fly(lambda k: flight()[k])) == [set()] * FRAMES

@@ -31,6 +31,10 @@
 #define VELOCITY_FLOOR_SHARE 0.02 /* and poses */
 #define STEP_MIN_M 0.05
 #define CHANGED 25.0 /* squared distance in standard deviations */
+#define JUMP_FEWEST 4
+#define JUMP_MANY 8 /* of which a quarter on each side may be wrong */
+#define JUMP_PX 0.5
+#define JUMP_SHARE 0.5 /* of a jump: its return is larger, and so is the mean of the frames since */
 
 void vista_coherence_layout(vista_coherence *c, vista_arena *arena, const vista_camera *camera) {
   *c = (vista_coherence){.camera = *camera};
@@ -38,11 +42,16 @@ void vista_coherence_layout(vista_coherence *c, vista_arena *arena, const vista_
   vista_level_layout(camera->width_px / 4, camera->height_px / 4, arena, &c->quarter);
 }
 
+static void forget_what_lasts(vista_coherence *c) {
+  memset(c->information, 0, sizeof c->information);
+  memset(c->weighted, 0, sizeof c->weighted);
+}
+
 void vista_coherence_reset(vista_coherence *c) {
   c->count = 0;
   c->posed = false;
-  memset(c->information, 0, sizeof c->information);
-  memset(c->weighted, 0, sizeof c->weighted);
+  c->jump_px = 0.0;
+  forget_what_lasts(c);
 }
 
 static int by_value(const void *a, const void *b) {
@@ -86,6 +95,8 @@ static void choose(vista_coherence *c, const int16_t *words) {
 /* A point where it was found: left over in u and v, their slopes by the unknowns, and 1 / sigma^2. */
 typedef struct observation {
   double left_px[2], slopes[2][UNKNOWNS], weight;
+  double expected_px; /* the disparity that it has now by the poses */
+  int32_t u_px, v_px; /* first pixel of its tile now */
 } observation;
 
 /* Where the poses say that a point is now; false: not well to be seen. */
@@ -122,7 +133,8 @@ static void slope(const vista_camera *camera, const double camera_m[3], const do
 
 static observation observe(const vista_coherence *c, const vista_coherent_point *p, const double camera_m[3],
                            const double ray_m[3], const double left_px[2], double sigma_px) {
-  observation o = {.left_px = {left_px[0], left_px[1]}};
+  observation o = {.left_px = {left_px[0], left_px[1]},
+                   .expected_px = c->camera.focal_px * c->camera.baseline_m / camera_m[2]};
   for (int k = 0; k < 3; ++k) {
     const double axis[3] = {k == 0, k == 1, k == 2};
     double turned[3];
@@ -220,16 +232,48 @@ static void remember(vista_coherence *c, const double x[UNKNOWNS], double covari
     for (int j = 0; j < LASTING; ++j) told[i][j] = per * (j < 3 ? 1.0 / passed_s : 1.0) * covariance[3 + i][3 + j];
     told[i][i] += vista_square(i < 3 ? VELOCITY_FLOOR_SHARE * way_m / passed_s : OFFSET_FLOOR_PX);
   }
-  if (contradicts(c, told, value)) {
-    memset(c->information, 0, sizeof c->information);
-    memset(c->weighted, 0, sizeof c->weighted);
-  }
+  if (contradicts(c, told, value)) forget_what_lasts(c);
   if (!vista_symmetric_invert(LASTING, told[0])) return;
   for (int i = 0; i < LASTING; ++i)
     for (int j = 0; j < LASTING; ++j) {
       c->information[i][j] += told[i][j];
       c->weighted[i] += told[i][j] * value[j];
     }
+}
+
+static int by_size(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* How much larger a point's disparity is than the poses let expect; false: its words do not tell. (What the fit says that
+ * the poses lack does not help: before a single wall it can't tell a step from an offset.) */
+static bool change_of(const vista_coherence *c, const observation *o, const int16_t *words, double *change_px) {
+  const vista_camera *const camera = &c->camera;
+  if (o->u_px < 0 || o->v_px < 0 || o->u_px + SIDE_PX > camera->width_px || o->v_px + SIDE_PX > camera->height_px)
+    return false;
+  const double disparity_px = disparity_of(c, words, o->u_px, o->v_px);
+  *change_px = disparity_px - o->expected_px;
+  return disparity_px > 0.0;
+}
+
+/* By how much the disparities of most points have changed beside their motion; 0: not by as much as a jump is. */
+static double jump_of(const vista_coherence *c, const observation *seen, int32_t found, const int16_t *words) {
+  double changes_px[VISTA_COHERENCE_POINTS];
+  int32_t count = 0;
+  for (int32_t k = 0; k < found; ++k) count += change_of(c, &seen[k], words, &changes_px[count]);
+  if (count < JUMP_FEWEST) return 0.0;
+  qsort(changes_px, (size_t)count, sizeof *changes_px, by_size);
+  const int32_t apart = count < JUMP_MANY ? 0 : count / 4;
+  /* What was placed by a wrong disparity approaches at a wrong pace, which is no further jump. */
+  const double least_px = fmax(JUMP_PX, JUMP_SHARE * fabs(c->jump_px));
+  const bool jumped = changes_px[apart] > least_px || changes_px[count - 1 - apart] < -least_px;
+  return jumped ? changes_px[count / 2] : 0.0;
+}
+
+/* The mean of the frames since may say that there is no offset. */
+static void deny_jump(vista_coherence *c, const vista_estimate *offset_px) {
+  if (fabs(offset_px->value) + 2.0 * offset_px->sigma < JUMP_SHARE * fabs(c->jump_px)) c->jump_px = 0.0;
 }
 
 static void tell(const vista_coherence *c, vista_coherence_result *r) {
@@ -247,28 +291,41 @@ static void tell(const vista_coherence *c, vista_coherence_result *r) {
   r->velocity_m_s.sigma = r->velocity_m_s.value / fmax(sqrt(square), 1e-9);
 }
 
-static void compare(vista_coherence *c, const vista_level *before, const vista_level *after, const vista_motion *motion,
-                    int64_t t_ns, vista_coherence_result *r) {
-  observation seen[VISTA_COHERENCE_POINTS];
+/* Finds the points of the frame before in this one. */
+static void find(const vista_coherence *c, const vista_level *before, const vista_level *after, const vista_pose *now,
+                 observation seen[VISTA_COHERENCE_POINTS], vista_coherence_result *r) {
   r->points = c->count;
   for (int32_t k = 0; k < c->count; ++k) {
     const vista_coherent_point *const p = &c->points[k];
     double at_px[2], camera_m[3], ray_m[3];
-    if (!predict(c, p, &motion->pose, at_px, camera_m, ray_m)) continue;
+    if (!predict(c, p, now, at_px, camera_m, ray_m)) continue;
     ++r->asked;
     vista_place place = {.u0 = p->u0, .v0 = p->v0, .du = (float)(0.5 * at_px[0]), .dv = (float)(0.5 * at_px[1])};
     if (!vista_place_refine(before, after, &place)) continue;
     const double left_px[2] = {2.0 * (double)place.du - at_px[0], 2.0 * (double)place.dv - at_px[1]};
-    seen[r->found++] = observe(c, p, camera_m, ray_m, left_px, 2.0 * (double)place.sigma_v);
+    observation *const o = &seen[r->found++];
+    *o = observe(c, p, camera_m, ray_m, left_px, 2.0 * (double)place.sigma_v);
+    o->u_px = 2 * (int32_t)lround(place.u0 + (double)place.du);
+    o->v_px = 2 * (int32_t)lround(place.v0 + (double)place.dv);
   }
-  double x[UNKNOWNS], covariance[UNKNOWNS][UNKNOWNS];
-  if (r->found < FEWEST || !fit(seen, r->found, x, covariance)) return;
-  double squares = 0.0;
-  for (int32_t k = 0; k < r->found; ++k) {
+}
+
+static void compare(vista_coherence *c, const vista_level *before, const vista_level *after, const int16_t *words,
+                    const vista_motion *motion, int64_t t_ns, vista_coherence_result *r) {
+  observation seen[VISTA_COHERENCE_POINTS];
+  find(c, before, after, &motion->pose, seen, r);
+  double x[UNKNOWNS], covariance[UNKNOWNS][UNKNOWNS], squares = 0.0;
+  const bool many = r->found >= FEWEST && fit(seen, r->found, x, covariance);
+  for (int32_t k = 0; k < r->found && many; ++k) {
     const double sigmas = sigmas_of(&seen[k], x);
     if (sigmas < SIGMAS) ++r->agreeing, squares += 0.5 * sigmas * sigmas;
   }
-  r->fitted = r->agreeing >= FEWEST && 2 * r->agreeing >= r->found;
+  r->fitted = many && r->agreeing >= FEWEST && 2 * r->agreeing >= r->found;
+  const double jump_px = jump_of(c, seen, r->found, words);
+  if (jump_px != 0.0) {
+    c->jump_px = fabs(c->jump_px + jump_px) > JUMP_PX ? c->jump_px + jump_px : 0.0;
+    forget_what_lasts(c);
+  }
   if (!r->fitted) return;
   const double scatter = fmax(1.0, squares / r->agreeing);
   for (int i = 0; i < UNKNOWNS; ++i)
@@ -279,6 +336,7 @@ static void compare(vista_coherence *c, const vista_level *before, const vista_l
     r->turn_sigma_rad = fmax(r->turn_sigma_rad, sqrt(covariance[i][i]));
     r->step_sigma_m = fmax(r->step_sigma_m, sqrt(covariance[3 + i][3 + i]));
   }
+  if (jump_px != 0.0) return; /* the disparities of the frame before tell nothing of an offset now */
   double way_m[3];
   for (int i = 0; i < 3; ++i) way_m[i] = motion->pose.translation_m[i] - c->pose.translation_m[i];
   remember(c, x, covariance, vista_norm(way_m), vista_seconds_between(c->t_ns, t_ns));
@@ -290,8 +348,10 @@ void vista_coherence_update(vista_coherence *c, const vista_image *left, const i
   const vista_level *const before = &c->half[c->newest], *const after = &c->half[1 - c->newest];
   vista_level_halve(left->data, left->stride, after);
   const bool posed = motion->source == VISTA_MOTION_POSE && !motion->restarted;
-  if (posed && c->posed && c->count > 0) compare(c, before, after, motion, t_ns, result);
+  if (posed && c->posed && c->count > 0) compare(c, before, after, words, motion, t_ns, result);
   tell(c, result);
+  deny_jump(c, &result->offset_px);
+  result->jump_px = c->jump_px;
   c->newest = 1 - c->newest;
   vista_level_halve(after->pixels, after->width_px, &c->quarter);
   c->posed = motion->source == VISTA_MOTION_POSE;

@@ -8,6 +8,10 @@
  * px moves by (u - u0) t / (f B) px too much when the camera moves forward by t: by as much as a camera that looks at
  * 30 m and moves by 1 m shows in a frame.
  *
+ * A camera that turns in yaw from one frame to the next changes the disparities of all points at once, beside what the
+ * motion changes. That is seen in its frame, by few points, and without a motion; it is taken for granted until they
+ * change back, or the means say otherwise.
+ *
  * Things that move by themselves, and words matched by chance, agree on nothing and are left out. Where fewer points are
  * found than can be, the poses are so far off that nothing is found where they say. Internal to libvista. */
 #ifndef VISTA_COHERENCE_H
@@ -40,6 +44,7 @@ typedef struct vista_coherence_result {
   double turn_rad[3], step_m[3]; /* that this frame's pose lacks, in the camera */
   double turn_sigma_rad, step_sigma_m;
   vista_estimate offset_px, velocity_m_s; /* means of the last seconds: of all disparities; that the poses lack */
+  double jump_px; /* by which all disparities have changed at once and not back since; 0: by nothing */
 } vista_coherence_result;
 
 typedef struct vista_coherence {
@@ -51,6 +56,7 @@ typedef struct vista_coherence {
   bool posed; /* the newest image has a pose */
   vista_pose pose;
   int64_t t_ns;
+  double jump_px;
   /* Of what lasts, which are velocity and offset: the inverse of the covariance, and that times the values. */
   double information[VISTA_COHERENCE_LASTING][VISTA_COHERENCE_LASTING], weighted[VISTA_COHERENCE_LASTING];
 } vista_coherence;

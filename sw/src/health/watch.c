@@ -158,9 +158,8 @@ static bool moves_otherwise(vista_watch *w, const vista_coherence_result *c, dou
 
 static bool lacks_something(const vista_coherence_result *c, double speed_m_s) {
   const double least_m_s = VELOCITY_M_S + VELOCITY_SHARE * speed_m_s;
-  const bool off =
-      is_significant(c->offset_px, LASTING, OFFSET_PX) || is_significant(c->velocity_m_s, LASTING, least_m_s);
-  return off;
+  return c->jump_px != 0.0 || is_significant(c->offset_px, LASTING, OFFSET_PX) ||
+         is_significant(c->velocity_m_s, LASTING, least_m_s);
 }
 
 /* Goes on giving a reason for HELD frames after the last in which it was found. */
