@@ -1,8 +1,9 @@
 #include "space/evidence.h"
 
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
+
+#include "common/wide_vectors.h"
 
 #define LOW 0.035 /* 2 degrees below the horizon: lower, there is no sky */
 #define FOOT_PX 5 /* least disparity of the ground at which something may be seen to stand */
@@ -10,6 +11,7 @@
 #define AROUND_PX 2 /* of the coarser level: where its words have to agree, */
 #define AGREE_PX 1 /* to this */
 #define COLUMNS 320 /* of the picture, at least half as many: a place 45 m away is a disc of some 30 of them */
+#define SIGHTS 256 /* lines of sight that are judged at once, side by side */
 
 int32_t vista_evidence_step_px(const vista_camera *camera) {
   const int32_t longer_px = camera->width_px > camera->height_px ? camera->width_px : camera->height_px;
@@ -24,101 +26,175 @@ void vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const v
   const size_t count = (size_t)evidence->width * (size_t)evidence->height;
   evidence->word = vista_arena_take(arena, count, sizeof *evidence->word);
   evidence->kind = vista_arena_take(arena, count, sizeof *evidence->kind);
-  evidence->nearest = vista_arena_take(arena, (size_t)camera->width_px, sizeof *evidence->nearest);
+  evidence->nearest = vista_arena_take(arena, (size_t)camera->width_px + 1, sizeof *evidence->nearest);
   evidence->low = vista_arena_take(arena, (size_t)evidence->width, sizeof *evidence->low);
 }
 
-/* The nearest word of each column of the image in the rows of one row of the picture. */
-static void nearest_of_rows(const vista_disparity_image *words, int32_t first, int32_t rows,
-                            int16_t *restrict nearest) {
+/* The nearest word of each column of the image and of the step_px - 1 after it, in the rows of one row of the picture. */
+VISTA_WIDE_VECTORS static void nearest_of_rows(const vista_disparity_image *words, int32_t first, int32_t step_px,
+                                               int16_t *restrict nearest) {
+  const int32_t width = words->width_px, left = words->height_px - first, rows = left < step_px ? left : step_px;
   const int16_t *restrict row = words->data + (ptrdiff_t)first * words->stride;
-  memcpy(nearest, row, (size_t)words->width_px * sizeof *nearest);
+  memcpy(nearest, row, (size_t)width * sizeof *nearest);
+  nearest[width] = VISTA_DISPARITY_INVALID;
   for (int32_t k = 1; k < rows; ++k) {
     row += words->stride;
-    for (int32_t u = 0; u < words->width_px; ++u) nearest[u] = row[u] > nearest[u] ? row[u] : nearest[u];
+    for (int32_t u = 0; u < width; ++u) nearest[u] = row[u] > nearest[u] ? row[u] : nearest[u];
   }
+  for (int32_t k = 1; k < step_px; ++k)
+    for (int32_t u = 0; u < width; ++u) nearest[u] = nearest[u + 1] > nearest[u] ? nearest[u + 1] : nearest[u];
 }
 
 static void add_thin(const vista_disparity_image *words, vista_evidence *evidence) {
   const int32_t step_px = evidence->step_px;
   for (int32_t y = 0; y < evidence->height; ++y) {
-    const int32_t left_rows = words->height_px - y * step_px;
-    nearest_of_rows(words, y * step_px, left_rows < step_px ? left_rows : step_px, evidence->nearest);
-    int16_t *const word = evidence->word + (ptrdiff_t)y * evidence->width;
-    uint8_t *const kind = evidence->kind + (ptrdiff_t)y * evidence->width;
-    for (int32_t x = 0; x < evidence->width; ++x) {
-      const int32_t left_columns = words->width_px - x * step_px,
-                    columns = left_columns < step_px ? left_columns : step_px;
-      int16_t own = 0;
-      for (int32_t k = 0; k < columns; ++k)
-        own = evidence->nearest[x * step_px + k] > own ? evidence->nearest[x * step_px + k] : own;
-      if (kind[x] == VISTA_SIGHT_OUTSIDE || own <= word[x] + THIN_PX * VISTA_DISPARITY_SCALE) continue;
-      word[x] = own;
-      kind[x] = VISTA_SIGHT_WORD;
+    nearest_of_rows(words, y * step_px, step_px, evidence->nearest);
+    int16_t *restrict const word = evidence->word + (ptrdiff_t)y * evidence->width;
+    uint8_t *restrict const kind = evidence->kind + (ptrdiff_t)y * evidence->width;
+    const int16_t *restrict nearest = evidence->nearest;
+    for (int32_t x = 0; x < evidence->width; ++x, nearest += step_px) {
+      /* Masks and no branch: whether this is nearer is hard to foresee. */
+      const int32_t nearer =
+          -((kind[x] != VISTA_SIGHT_OUTSIDE) & (*nearest > word[x] + THIN_PX * VISTA_DISPARITY_SCALE));
+      word[x] = (int16_t)((*nearest & nearer) | (word[x] & ~nearer));
+      kind[x] = (uint8_t)((VISTA_SIGHT_WORD & nearer) | (kind[x] & ~nearer));
     }
   }
 }
 
-/* The word of the next coarser level, in units of level 0, if three of the pixels around agree; else 0. It bounds what is
- * not matched at full size, such as ground whose fine texture drowns in noise; chance matches stand alone. */
-static int32_t coarser_word(const vista_disparity_image *coarser, int32_t u_px, int32_t v_px) {
-  if (coarser->data == NULL || u_px < AROUND_PX || v_px < AROUND_PX || u_px >= coarser->width_px - AROUND_PX ||
-      v_px >= coarser->height_px - AROUND_PX)
-    return 0;
-  const int16_t *const at = coarser->data + (ptrdiff_t)v_px * coarser->stride + u_px;
-  const int32_t word = *at;
-  if (word <= 0 || word > INT16_MAX / 2) return 0;
-  const ptrdiff_t across = AROUND_PX, down = AROUND_PX * coarser->stride;
-  const int32_t around[] = {at[-across], at[across], at[-down], at[down]};
-  int agree = 0;
-  for (int k = 0; k < 4; ++k) agree += around[k] > 0 && abs(around[k] - word) <= AGREE_PX * VISTA_DISPARITY_SCALE;
-  return agree >= 3 ? 2 * word : 0;
+static inline int16_t agrees(int16_t around, int16_t word) {
+  const int16_t off = (int16_t)(around - word); /* of two that are positive */
+  return (int16_t)((around > 0) & (off <= AGREE_PX * VISTA_DISPARITY_SCALE) &
+                   (off >= -AGREE_PX * VISTA_DISPARITY_SCALE));
+}
+
+/* The words of a row of the next coarser level, in units of level 0, where three of the pixels around agree; else 0.
+ * They bound what is not matched at full size, such as ground whose fine texture drowns in noise; chance matches stand
+ * alone. */
+VISTA_WIDE_VECTORS static void coarser_row(const vista_disparity_image *coarser, int32_t v_px, int16_t *restrict out) {
+  const int32_t width = coarser->width_px, end = width - AROUND_PX;
+  memset(out, 0, (size_t)width * sizeof *out);
+  if (v_px < AROUND_PX || v_px >= coarser->height_px - AROUND_PX) return;
+  const int16_t *const at = coarser->data + (ptrdiff_t)v_px * coarser->stride;
+  const int16_t *const above = at - AROUND_PX * coarser->stride, *const below = at + AROUND_PX * coarser->stride;
+  for (int32_t u = AROUND_PX; u < end; ++u) {
+    const int16_t word = at[u];
+    const int16_t agree = (int16_t)(agrees(at[u - AROUND_PX], word) + agrees(at[u + AROUND_PX], word) +
+                                    agrees(above[u], word) + agrees(below[u], word));
+    const int16_t bounds = (int16_t)-((word > 0) & (word <= INT16_MAX / 2) & (agree >= 3));
+    out[u] = (int16_t)(2 * (word & bounds));
+  }
+}
+
+/* Some columns of the picture. */
+typedef struct span {
+  int32_t first, end;
+} span;
+
+/* Some lines of sight of a row of the picture. */
+typedef struct sights {
+  int16_t matched[SIGHTS], coarser[SIGHTS]; /* words; 0: none */
+  int16_t level[SIGHTS], deep[SIGHTS], high[SIGHTS]; /* flags: on a surface to fly along; below the horizon, above it */
+} sights;
+
+/* What bounds them, after what bounds the ones below: masks, for vectors of words. Returns whether any hangs. */
+VISTA_WIDE_VECTORS static bool bound(const sights *s, int32_t count, const int16_t *restrict below,
+                                     int16_t *restrict word, uint8_t *restrict kind, int16_t *restrict low) {
+  const int16_t agree = AGREE_PX * VISTA_DISPARITY_SCALE, foot = FOOT_PX * VISTA_DISPARITY_SCALE;
+  int16_t any = 0;
+  for (int32_t k = 0; k < count; ++k) {
+    const int16_t coarser = s->coarser[k], under = below[k], matched = (int16_t)-(s->matched[k] > 0);
+    /* What lies higher in the image and is nearer than what bounds it hangs, or is wrong. */
+    const int16_t nearer = (int16_t)-((int16_t)(coarser - agree) > under), based = (int16_t)-(under > 0);
+    const int16_t own = (int16_t)(matched | (-(coarser > 0) & ~(nearer & based)));
+    const int16_t from_coarser = (int16_t)(own & ~matched);
+    const int16_t found = (int16_t)((s->matched[k] & matched) | (coarser & from_coarser) | (under & ~own));
+    const int16_t deep = (int16_t)(s->deep[k] & -(found < foot)), is_low = (int16_t)((deep & own) | (low[k] & ~own));
+    const int16_t bounded = (int16_t)(-(found > 0) & ~matched), hangs = (int16_t)(bounded & is_low & s->high[k]);
+    const int16_t unmatched = (int16_t)((VISTA_SIGHT_UNBOUNDED & ~bounded) | (VISTA_SIGHT_BOUNDED & bounded & ~hangs) |
+                                        (VISTA_SIGHT_HANGING & hangs));
+    word[k] = found;
+    kind[k] = (uint8_t)((s->level[k] & matched) | (unmatched & ~matched));
+    low[k] = is_low;
+    any = (int16_t)(any | hangs);
+  }
+  return any != 0;
+}
+
+/* What the words, the next coarser level and the pose say of some lines of sight of row y, from x on. */
+static void gather(const vista_frame_view *frame, const vista_surfaces *surfaces, const vista_evidence *evidence,
+                   int32_t x, int32_t y, int32_t count, sights *s) {
+  const int32_t step_px = evidence->step_px;
+  const vista_camera *const camera = frame->camera;
+  const int16_t *const row = frame->words.data + (ptrdiff_t)y * step_px * frame->words.stride;
+  const int32_t *const cells = frame->foveation->cell_of_pixel + (ptrdiff_t)y * step_px * camera->width_px;
+  const bool has_coarser = frame->levels[1].data != NULL;
+  const int16_t *const coarser = evidence->nearest;
+  const uint8_t *const horizontal = surfaces->horizontal;
+  for (int32_t k = 0; k < count; ++k) {
+    const int32_t u = (x + k) * step_px;
+    s->matched[k] = row[u];
+    s->level[k] = horizontal[cells[u]] ? VISTA_SIGHT_LEVEL : VISTA_SIGHT_WORD;
+    s->coarser[k] = has_coarser ? coarser[(u + 1) / 2] : 0;
+  }
+  /* Height of the line of sight at depth 1, against gravity: positive above the horizon. */
+  const double *const up = frame->up_camera;
+  const double row_height = up[1] * (y * step_px - camera->center_v_px) / camera->focal_px + up[2];
+  const double column_height = up[0] / camera->focal_px;
+  for (int32_t k = 0; k < count; ++k) {
+    const double height = row_height + column_height * ((x + k) * step_px - camera->center_u_px);
+    s->deep[k] = (int16_t)-(height < -LOW);
+    s->high[k] = (int16_t)-(height > 0.0);
+  }
+}
+
+/* The columns of the picture in which the engine matches. */
+static span matched_columns(const vista_camera *camera, const vista_margins *margins, const vista_evidence *evidence) {
+  const double right_px = camera->width_px - 1 - margins->other_px;
+  span inside = {0, evidence->width};
+  while (inside.first < inside.end && inside.first * evidence->step_px < margins->left_px) ++inside.first;
+  while (inside.end > inside.first && (inside.end - 1) * evidence->step_px > right_px) --inside.end;
+  return inside;
+}
+
+static void set_outside(vista_evidence *evidence, int32_t y, int32_t first, int32_t end) {
+  const size_t at = (size_t)y * (size_t)evidence->width + (size_t)first, count = (size_t)(end - first);
+  memset(evidence->word + at, 0, count * sizeof *evidence->word);
+  memset(evidence->kind + at, VISTA_SIGHT_OUTSIDE, count * sizeof *evidence->kind);
+}
+
+/* What lies below something that hangs, as far as the same word bounds it, may hang as well. */
+static void hang_below(vista_evidence *evidence, int32_t x, int32_t y) {
+  uint8_t *kind = evidence->kind + (ptrdiff_t)y * evidence->width + x;
+  if (*kind != VISTA_SIGHT_HANGING) return;
+  while (++y < evidence->height && *(kind += evidence->width) == VISTA_SIGHT_BOUNDED) *kind = VISTA_SIGHT_HANGING;
 }
 
 void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence) {
-  const vista_disparity_image *const words = &frame->words;
-  const int32_t *const cell_of_pixel = frame->foveation->cell_of_pixel;
+  static const int16_t nothing[SIGHTS];
   const int32_t width = evidence->width, height = evidence->height, step_px = evidence->step_px;
   const vista_camera *const camera = frame->camera;
-  const double *const up = frame->up_camera;
-  const double column_height = up[0] / camera->focal_px;
   evidence->pose = frame->motion.pose;
   evidence->t_ns = frame->t_ns;
   const vista_margins margins = vista_matched_margins(&frame->matched, 0.0);
-  const double left_px = margins.left_px, right_px = camera->width_px - 1 - margins.other_px;
+  const span inside = matched_columns(camera, &margins, evidence);
   /* Rows are taken from the bottom up: the one below holds the word that bounds each column so far. */
   for (int32_t y = height - 1; y >= 0; --y) {
-    const int16_t *const row = words->data + (ptrdiff_t)y * step_px * words->stride;
-    const int32_t *const cells = cell_of_pixel + (ptrdiff_t)y * step_px * words->width_px;
-    int16_t *const word = evidence->word + (ptrdiff_t)y * width;
-    uint8_t *const kind = evidence->kind + (ptrdiff_t)y * width;
-    const bool outside = y * step_px < margins.other_px || y * step_px > camera->height_px - 1 - margins.other_px;
-    /* Height of the line of sight at depth 1, against gravity: positive above the horizon. */
-    const double row_height = up[1] * (y * step_px - camera->center_v_px) / camera->focal_px + up[2];
-    for (int32_t x = 0; x < width; ++x) {
-      if (x * step_px < left_px || x * step_px > right_px || outside) {
-        word[x] = 0;
-        kind[x] = VISTA_SIGHT_OUTSIDE;
-        continue;
-      }
-      const int16_t matched = row[x * step_px];
-      const int16_t below = y + 1 < height ? word[x + width] : 0;
-      /* What lies higher in the image and is nearer than what bounds it hangs, or is wrong. */
-      const int32_t coarser =
-          matched > 0 ? 0 : coarser_word(&frame->levels[1], (x * step_px + 1) / 2, (y * step_px + 1) / 2);
-      const bool bounds = coarser > 0 && (below <= 0 || coarser <= below + AGREE_PX * VISTA_DISPARITY_SCALE);
-      word[x] = matched > 0 ? matched : bounds ? (int16_t)coarser : below;
-      const double height_of_ray = row_height + column_height * (x * step_px - camera->center_u_px);
-      if (matched > 0 || bounds) evidence->low[x] = height_of_ray < -LOW && word[x] < FOOT_PX * VISTA_DISPARITY_SCALE;
-      if (matched > 0)
-        kind[x] = surfaces->horizontal[cells[x * step_px]] ? VISTA_SIGHT_LEVEL : VISTA_SIGHT_WORD;
-      else if (word[x] <= 0)
-        kind[x] = VISTA_SIGHT_UNBOUNDED;
-      else
-        kind[x] = VISTA_SIGHT_BOUNDED;
-      if (kind[x] == VISTA_SIGHT_BOUNDED && evidence->low[x] && height_of_ray > 0.0)
-        for (int32_t k = 0; y + k < height && kind[x + (ptrdiff_t)k * width] == VISTA_SIGHT_BOUNDED; ++k)
-          kind[x + (ptrdiff_t)k * width] = VISTA_SIGHT_HANGING;
+    if (y * step_px < margins.other_px || y * step_px > camera->height_px - 1 - margins.other_px) {
+      set_outside(evidence, y, 0, width);
+      continue;
+    }
+    set_outside(evidence, y, 0, inside.first);
+    set_outside(evidence, y, inside.end, width);
+    if (frame->levels[1].data != NULL) coarser_row(&frame->levels[1], (y * step_px + 1) / 2, evidence->nearest);
+    for (int32_t x = inside.first; x < inside.end; x += SIGHTS) {
+      const int32_t left = inside.end - x, count = left < SIGHTS ? left : SIGHTS;
+      int16_t *const word = evidence->word + (ptrdiff_t)y * width + x;
+      sights s;
+      gather(frame, surfaces, evidence, x, y, count, &s);
+      if (bound(&s, count, y + 1 < height ? word + width : nothing, word, evidence->kind + (ptrdiff_t)y * width + x,
+                evidence->low + x))
+        for (int32_t k = 0; k < count; ++k) hang_below(evidence, x + k, y);
     }
   }
   add_thin(&frame->levels[0], evidence);
