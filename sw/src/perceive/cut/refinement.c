@@ -20,6 +20,9 @@
 #define MAX_CANDIDATES 8 /* a cell and its neighbours; the hub has more of these, and stays as it is */
 #define BATCH 256 /* pixels treated at once */
 #define COST_ONE 65536.0f /* of the costs as whole numbers; parameters and neighbours keep a cost below 4096 */
+#define COST_OF_WORD ((int32_t)(65536.0 / (SIGMA_DISPARITY_PX * VISTA_DISPARITY_SCALE)))
+#define MOST_OF_WORDS ((int32_t)(65536.0 * DISPARITY_LIMIT))
+#define LANES 8 /* of the widest vectors */
 
 vista_status vista_refinement_layout(vista_refinement *refinement, vista_arena *arena,
                                      const vista_foveation *foveation) {
@@ -68,33 +71,31 @@ static int32_t list_candidates(const vista_foveation *f, const vista_cells *cell
   return count;
 }
 
-/* Some pixels of one cell, side by side. */
+/* Some pixels of one cell, side by side, and blank ones up to whole vectors. */
 typedef struct batch {
-  float u[BATCH], v[BATCH], r2[BATCH], grey[BATCH], word[BATCH];
-  int32_t cost[BATCH]; /* the least so far */
+  float u[BATCH], v[BATCH], r2[BATCH], grey[BATCH];
+  int32_t word_cost[BATCH];
+  int32_t cost[BATCH], label[BATCH]; /* the least so far, and whose it is */
 } batch;
 
+static inline int32_t whole_vectors(int32_t count) { return (count + LANES - 1) & -LANES; }
+
 /* Gives pixels to a candidate where it costs less than those before; equal costs leave a pixel where it is. Floats are
- * not compared, which would take longer: 2 min(a, b) = a + b - |a - b|. */
-static inline void try_candidate(double sigma_levels, const candidate *one, int32_t count, batch *restrict b,
-                                 int32_t *restrict label) {
-  const float per_level = COST_ONE * (float)(1.0 / sigma_levels);
-  const float limit = COST_ONE * (float)CONTRAST_LIMIT;
+ * not compared, which would take longer: min(a, b) = a / 2 + b / 2 - |a / 2 - b / 2|. Words of cells are whole. */
+static inline void try_candidate(double sigma_levels, const candidate *one, int32_t count, batch *b) {
+  const float half_per_level = 0.5f * COST_ONE * (float)(1.0 / sigma_levels);
+  const float half_limit = 0.5f * COST_ONE * (float)CONTRAST_LIMIT;
   const float intensity = one->intensity, at_center = COST_ONE * one->at_center;
   const float per_u = COST_ONE * one->per_u, per_v = COST_ONE * one->per_v, per_px2 = COST_ONE * one->per_px2;
-  const float per_word =
-      one->word < 0.0f ? 0.0f : COST_ONE * (float)(1.0 / (SIGMA_DISPARITY_PX * VISTA_DISPARITY_SCALE));
-  const float word = one->word, most = COST_ONE * (float)DISPARITY_LIMIT;
-  const int32_t own = one->label;
-  for (int32_t k = 0; k < count; ++k) {
-    const float levels = fabsf(b->grey[k] - intensity) * per_level;
-    const float contrast = 0.5f * (levels + limit - fabsf(levels - limit));
-    const float beyond = word - b->word[k]; /* positive: the pixel is farther than the cell */
-    const float steps = 0.5f * (beyond + fabsf(beyond)) * per_word;
-    const float step = 0.5f * (steps + most - fabsf(steps - most));
+  const int32_t word_cost = one->word < 0.0f ? 0 : COST_OF_WORD * (int32_t)one->word, own = one->label;
+  for (int32_t k = 0; k < whole_vectors(count); ++k) {
+    const float levels = fabsf(b->grey[k] - intensity) * half_per_level;
+    const float contrast = levels + half_limit - fabsf(levels - half_limit);
+    const int32_t beyond = word_cost - b->word_cost[k]; /* positive: the pixel is farther than the cell */
+    const int32_t counted = beyond > 0 ? beyond : 0, step = counted < MOST_OF_WORDS ? counted : MOST_OF_WORDS;
     const float distance = at_center + per_u * b->u[k] + per_v * b->v[k] + per_px2 * b->r2[k];
-    const int32_t cost = (int32_t)(contrast + step + distance), best = b->cost[k], old = label[k];
-    label[k] = cost < best ? own : old;
+    const int32_t cost = (int32_t)(contrast + (float)step + distance), best = b->cost[k], old = b->label[k];
+    b->label[k] = cost < best ? own : old;
     b->cost[k] = cost < best ? cost : best;
   }
 }
@@ -106,23 +107,38 @@ typedef struct cell_pixels {
   const int16_t *words;
 } cell_pixels;
 
+/* Fills a block of a batch, k on, with the `count` pixels from `first` on. */
+static inline void fill_block(const cell_pixels *pixels, int32_t first, int32_t count, float center_u, float center_v,
+                              int32_t k, batch *b) {
+  const int16_t *const us = pixels->us + first, *const vs = pixels->vs + first, *const words = pixels->words + first;
+  const uint8_t *const greys = pixels->greys + first;
+  VISTA_BLOCK_LOOP
+  for (int32_t i = 0; i < VISTA_WORD_BLOCK; ++i) {
+    const float du = (float)us[i] - center_u, dv = (float)vs[i] - center_v;
+    const float u = i < count ? du : 0.0f, v = i < count ? dv : 0.0f;
+    const int32_t word = words[i];
+    b->u[k + i] = u;
+    b->v[k + i] = v;
+    b->r2[k + i] = u * u + v * v;
+    b->grey[k + i] = (float)greys[i];
+    b->word_cost[k + i] = COST_OF_WORD * (word < 0 ? INT16_MAX : word); /* unknown: farther than nothing */
+    b->cost[k + i] = INT32_MAX;
+    b->label[k + i] = 0;
+  }
+}
+
 VISTA_WIDE_VECTORS static void solve(double sigma_levels, const candidate *candidates, int32_t candidate_count,
                                      const cell_pixels *pixels, float center_u, float center_v, int32_t pixel_count,
                                      int32_t *label) {
-  const int16_t *const us = pixels->us, *const vs = pixels->vs, *const words = pixels->words;
-  const uint8_t *const greys = pixels->greys;
   batch b;
   for (int32_t first = 0; first < pixel_count; first += BATCH) {
     const int32_t count = pixel_count - first < BATCH ? pixel_count - first : BATCH;
-    for (int32_t k = 0; k < count; ++k) {
-      b.u[k] = (float)us[first + k] - center_u;
-      b.v[k] = (float)vs[first + k] - center_v;
-      b.r2[k] = b.u[k] * b.u[k] + b.v[k] * b.v[k];
-      b.grey[k] = (float)greys[first + k];
-      b.word[k] = (float)(words[first + k] < 0 ? INT16_MAX : words[first + k]); /* unknown: farther than nothing */
-      b.cost[k] = INT32_MAX;
-    }
-    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(sigma_levels, &candidates[c], count, &b, label + first);
+    for (int32_t k = 0; k < count; k += VISTA_WORD_BLOCK)
+      fill_block(pixels, first + k, count - k, center_u, center_v, k, &b);
+    for (int32_t c = 0; c < candidate_count; ++c) try_candidate(sigma_levels, &candidates[c], count, &b);
+    int32_t k = 0;
+    for (; k + LANES <= count; k += LANES) memcpy(label + first + k, b.label + k, LANES * sizeof *label);
+    for (; k < count; ++k) label[first + k] = b.label[k];
   }
 }
 
