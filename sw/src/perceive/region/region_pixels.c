@@ -5,6 +5,7 @@
 #include "common/wide_vectors.h"
 #include "common/word_blocks.h"
 
+#define AHEAD 16 /* runs */
 #define SUMMED 128 /* pixels at once: sums of products of distances within a cell, below 4096 px, fit 32 bits */
 
 /* Masks of pixels are 0 or -1: what the words beside them are compared to. */
@@ -118,9 +119,20 @@ static inline void narrow_run(const vista_region_view *w, const vista_plane *sur
   }
 }
 
+/* Fetches the words that a run is going to be asked for: no processor foresees which rows the cells lie in. Addresses,
+ * for they may lie before or behind the image. */
+static inline void fetch_words(const vista_region_view *w, vista_run run) {
+  const uintptr_t first = (uintptr_t)(w->frame->words.data + run.v_px * w->frame->words.stride + run.u_px);
+  const uintptr_t reach = (uintptr_t)VISTA_BOUNDARY_PX * sizeof(int16_t);
+  __builtin_prefetch((const void *)(first - reach));
+  __builtin_prefetch((const void *)(first + reach + (VISTA_WORD_BLOCK - 1) * sizeof(int16_t)));
+}
+
 VISTA_WIDE_VECTORS static void narrow_cell(const vista_region_view *w, const vista_plane *surface, int32_t node,
                                            int16_t *own) {
+  const int32_t all = w->foveation->first_run[w->foveation->node_count];
   for (int32_t r = w->foveation->first_run[node]; r < w->foveation->first_run[node + 1]; ++r) {
+    if (r + AHEAD < all) fetch_words(w, w->foveation->runs[r + AHEAD]);
     narrow_run(w, surface, w->foveation->runs[r], own);
     own += w->foveation->runs[r].length_px;
   }
