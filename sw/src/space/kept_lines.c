@@ -58,12 +58,17 @@ static bool piece_of(const vista_frame_view *frame, const vista_thin_line *line,
   return true;
 }
 
-/* The point of a line nearest to the middle of the ball, if it is in it. */
-static bool meets(const vista_kept_line *line, const vista_kept_ball *ball, double at_m[3]) {
-  double apart[3], from[3], off[3], sight[3];
+/* Whether the balls around them touch, which is all that most lines are asked. */
+static inline bool is_near(const vista_kept_line *line, const vista_kept_ball *ball) {
+  double apart[3];
   for (int i = 0; i < 3; ++i) apart[i] = ball->point_m[i] - line->middle_m[i];
   const double reach_m = line->half_m + ball->radius_m + ball->deep_m + line->sigma_m;
-  if (vista_dot(apart, apart) > vista_square(reach_m)) return false;
+  return vista_dot(apart, apart) <= vista_square(reach_m);
+}
+
+/* The point of a line nearest to the middle of the ball, if it is in it. */
+static bool meets(const vista_kept_line *line, const vista_kept_ball *ball, double at_m[3]) {
+  double from[3], off[3], sight[3];
   for (int i = 0; i < 3; ++i) {
     from[i] = ball->point_m[i] - line->from_m[i];
     sight[i] = ball->point_m[i] - ball->camera_m[i];
@@ -83,7 +88,7 @@ static bool passes(const vista_kept_line *line, const vista_kept_line *other, co
   double at_m[3];
   memcpy(ball.point_m, other->middle_m, sizeof ball.point_m);
   memcpy(ball.camera_m, frame->motion.pose.translation_m, sizeof ball.camera_m);
-  return meets(line, &ball, at_m);
+  return is_near(line, &ball) && meets(line, &ball, at_m);
 }
 
 /* Lets go of pieces that are too old, or that frames should show and do not. found: pieces that this one shows. */
@@ -131,7 +136,7 @@ int32_t vista_kept_lines_frames(const vista_kept_lines *kept, const vista_kept_b
   for (int32_t i = 0; i < kept->count; ++i) {
     const vista_kept_line *const line = &kept->items[i];
     double met_m[3];
-    if (!meets(line, ball, met_m)) continue;
+    if (!is_near(line, ball) || !meets(line, ball, met_m)) continue;
     if (frames == 0 || vista_seconds_between(t_ns, line->t_ns) >= VISTA_SPACE_SPACING_S) {
       ++frames;
       t_ns = line->t_ns;
