@@ -203,7 +203,7 @@ static void adopt(search *s) {
     int32_t parent = NONE, parent_link = NONE, nearest = INT32_MAX;
     for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++) {
       const int32_t u = s->arcs[a].head, link = tree_link(s->arcs[a].link, tree) ^ 1;
-      if (s->tree[u] != tree || s->residual[link] == 0) continue;
+      if ((s->tree[u] != tree) | (s->residual[link] == 0)) continue; /* one branch: both are hard to foresee */
       const int32_t distance = distance_to_terminal(s, u);
       if (distance > 0 && distance < nearest) {
         nearest = distance;
@@ -257,7 +257,7 @@ static void grow(search *s, int32_t v) {
   for (int32_t a = s->first_arc[v]; a < end;) {
     const int32_t q = s->arcs[a].head, link = tree_link(s->arcs[a].link, tree);
     int32_t met = s->tree[q];
-    if (met != tree && s->residual[link] > 0 && (met != OUTSIDE || s->problem->open != NULL)) {
+    if (((met != tree) & (s->residual[link] > 0)) && (met != OUTSIDE || s->problem->open != NULL)) {
       if (met == OUTSIDE) {
         open_node(s, q);
         met = s->tree[q];
