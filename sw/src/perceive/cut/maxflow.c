@@ -15,23 +15,18 @@
  * parents the one nearest to the terminal is taken, which keeps paths short.
  *
  * Nearly all the time goes into walks to the root, so they are given the shortest chain of memory: a node's branch
- * names its parent node and the residual of the link between them, in the direction of the flow. Residuals come in
- * pairs, r[l] and r[l ^ 1] being the two directions of an edge, and a node's terminal link is one more pair; so either
- * tree, and the root itself, is walked, pushed and occupied by the same lines. */
+ * names its parent node and the residual of the link between them, in the direction of the flow. Residuals are numbered
+ * as the arcs are, so that those of a node lie side by side, and after them come the links to the terminals; so either
+ * tree, and the root itself, is walked and occupied by the same lines. */
 #include "perceive/cut/maxflow.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* OUTSIDE is 0, so that zeroed memory marks no node; the low bit of the trees is their direction, see tree_link. */
+/* OUTSIDE is 0, so that zeroed memory marks no node. */
 enum { OUTSIDE = 0, FREE = 1, SOURCE_TREE = 2, SINK_TREE = 3 };
 enum { NONE = -1, TERMINAL = -2 };
 enum { MAX_PAIRS = 1 << 30 }; /* link numbers fit int32_t */
-
-typedef struct vista_maxflow_arc {
-  int32_t head;
-  int32_t link; /* residual of tail -> head */
-} arc;
 
 typedef struct vista_maxflow_branch {
   int32_t parent;   /* node, or TERMINAL, or NONE for orphans */
@@ -47,8 +42,7 @@ typedef struct ring {
 } ring;
 
 typedef struct search {
-  const int32_t *first_arc;
-  const arc *arcs;
+  const int32_t *first_arc, *head, *reverse;
   branch *branches;
   int32_t *residual;
   uint16_t *tree;       /* not uint8_t: a store through a character type may alias anything and costs reloads */
@@ -66,11 +60,16 @@ typedef struct search {
   int32_t arc_bits, terminal_bits; /* the OR of all capacities tells whether any is negative or too large */
 } search;
 
-static int32_t direction(int32_t tree) { return tree & 1; }
-
 /* Residual through which a node of `tree` hands its terminal on to the neighbour at the other end of its arc:
- * tail -> head for the S tree, head -> tail for the T tree. The sister, tree_link ^ 1, serves the opposite question. */
-static int32_t tree_link(int32_t link, int32_t tree) { return link ^ direction(tree); }
+ * tail -> head for the S tree, head -> tail for the T tree. */
+static int32_t link_to(const search *s, int32_t arc, int32_t tree) {
+  return tree == SOURCE_TREE ? arc : s->reverse[arc];
+}
+
+/* The residual through which that neighbour would hand on the terminal. */
+static int32_t link_from(const search *s, int32_t arc, int32_t tree) {
+  return tree == SOURCE_TREE ? s->reverse[arc] : arc;
+}
 
 static void push_back(ring *r, int32_t v) {
   const int32_t last = r->first + r->count++;
@@ -137,7 +136,7 @@ static int32_t bottleneck(const search *s, int32_t v, int32_t flow) {
 static void push_flow(search *s, int32_t v, int32_t flow) {
   while (v >= 0) {
     const int32_t parent = s->branches[v].parent, link = s->branches[v].link;
-    s->residual[link ^ 1] += flow;
+    if (parent >= 0) s->residual[s->reverse[link]] += flow;
     if ((s->residual[link] -= flow) == 0) {
       s->branches[v].parent = NONE;
       push_front(&s->orphans, v);
@@ -150,7 +149,7 @@ static void push_flow(search *s, int32_t v, int32_t flow) {
 static void augment(search *s, int32_t p, int32_t q, int32_t link) {
   const int32_t flow = bottleneck(s, q, bottleneck(s, p, s->residual[link]));
   s->residual[link] -= flow;
-  s->residual[link ^ 1] += flow;
+  s->residual[s->reverse[link]] += flow;
   push_flow(s, p, flow);
   push_flow(s, q, flow);
   s->flow += flow;
@@ -185,9 +184,9 @@ static int32_t distance_to_terminal(search *s, int32_t v) {
 static void release(search *s, int32_t v) {
   const int32_t tree = s->tree[v];
   for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++) {
-    const int32_t u = s->arcs[a].head;
+    const int32_t u = s->head[a];
     if (s->tree[u] != tree) continue;
-    if (s->residual[tree_link(s->arcs[a].link, tree) ^ 1] > 0) activate(s, u);
+    if (s->residual[link_from(s, a, tree)] > 0) activate(s, u);
     if (s->branches[u].parent == v) {
       s->branches[u].parent = NONE;
       push_back(&s->orphans, u);
@@ -202,7 +201,7 @@ static void adopt(search *s) {
     const int32_t tree = s->tree[v];
     int32_t parent = NONE, parent_link = NONE, nearest = INT32_MAX;
     for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++) {
-      const int32_t u = s->arcs[a].head, link = tree_link(s->arcs[a].link, tree) ^ 1;
+      const int32_t u = s->head[a], link = link_from(s, a, tree);
       if ((s->tree[u] != tree) | (s->residual[link] == 0)) continue; /* one branch: both are hard to foresee */
       const int32_t distance = distance_to_terminal(s, u);
       if (distance > 0 && distance < nearest) {
@@ -223,10 +222,9 @@ static void adopt(search *s) {
  * like the others: no tree ever looks beyond a head that is OUTSIDE. */
 static void load_node(search *s, int32_t v) {
   const vista_maxflow_problem *const problem = s->problem;
-  const int32_t terminal_link = s->first_terminal_link + 2 * v;
+  const int32_t terminal_link = s->first_terminal_link + v;
   int32_t bits = 0;
-  for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++)
-    bits |= s->residual[s->arcs[a].link] = problem->arc_capacity[a];
+  for (int32_t a = s->first_arc[v]; a < s->first_arc[v + 1]; a++) bits |= s->residual[a] = problem->arc_capacity[a];
   s->next_active[v] = NONE;
   const int32_t from_source = problem->source_capacity[v], to_sink = problem->sink_capacity[v];
   s->terminal_bits |= from_source | to_sink;
@@ -235,7 +233,6 @@ static void load_node(search *s, int32_t v) {
   if (from_source != to_sink) {
     s->tree[v] = from_source > to_sink ? SOURCE_TREE : SINK_TREE;
     s->residual[terminal_link] = from_source > to_sink ? from_source - to_sink : to_sink - from_source;
-    s->residual[terminal_link ^ 1] = 0;
     s->branches[v] = (branch){TERMINAL, terminal_link, 0, 1};
     activate(s, v);
   }
@@ -255,7 +252,7 @@ static void grow(search *s, int32_t v) {
   const int32_t tree = s->tree[v];
   const int32_t end = s->first_arc[v + 1];
   for (int32_t a = s->first_arc[v]; a < end;) {
-    const int32_t q = s->arcs[a].head, link = tree_link(s->arcs[a].link, tree);
+    const int32_t q = s->head[a], link = link_to(s, a, tree);
     int32_t met = s->tree[q];
     if (((met != tree) & (s->residual[link] > 0)) && (met != OUTSIDE || s->problem->open != NULL)) {
       if (met == OUTSIDE) {
@@ -314,25 +311,16 @@ static vista_status search_all(search *s) {
 vista_status vista_maxflow_layout(vista_maxflow *maxflow, const vista_graph *graph, vista_arena *arena) {
   if (graph->node_count > MAX_PAIRS - graph->edge_count) return VISTA_ERROR_RANGE;
   const size_t nodes = (size_t)graph->node_count, edges = (size_t)graph->edge_count;
-  arc *arcs = vista_arena_take(arena, 2 * edges, sizeof *arcs);
   *maxflow = (vista_maxflow){
       .graph = *graph,
-      .arcs = arcs,
       .branches = vista_arena_take(arena, nodes, sizeof(branch)),
-      .residual = vista_arena_take(arena, 2 * (edges + nodes), sizeof(int32_t)),
+      .residual = vista_arena_take(arena, 2 * edges + nodes, sizeof(int32_t)),
       .next_active = vista_arena_take(arena, nodes, sizeof(int32_t)),
       .orphans = vista_arena_take(arena, nodes, sizeof(int32_t)),
       .opened = vista_arena_take(arena, nodes, sizeof(int32_t)),
       .tree = vista_arena_take(arena, nodes, sizeof(uint16_t)),
   };
-  if (arena->base == NULL) return VISTA_OK;
-  if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
-  for (int32_t e = 0; e < graph->edge_count; e++) {
-    const int32_t a = graph->edge_arc[e], sister = graph->reverse[a];
-    arcs[a] = (arc){graph->head[a], 2 * e};
-    arcs[sister] = (arc){graph->head[sister], 2 * e + 1};
-  }
-  return VISTA_OK;
+  return arena->base != NULL && arena->used > arena->size ? VISTA_ERROR_MEMORY : VISTA_OK;
 }
 
 vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_problem *problem, uint8_t *source_side,
@@ -345,7 +333,8 @@ vista_status vista_maxflow_solve(vista_maxflow *maxflow, const vista_maxflow_pro
 
   search s = {
       .first_arc = maxflow->graph.first_arc,
-      .arcs = maxflow->arcs,
+      .head = maxflow->graph.head,
+      .reverse = maxflow->graph.reverse,
       .branches = maxflow->branches,
       .residual = maxflow->residual,
       .tree = maxflow->tree,

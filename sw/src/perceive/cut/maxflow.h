@@ -19,16 +19,14 @@
 #define VISTA_MAXFLOW_ARC_CAPACITY_MAX \
   (INT32_MAX / 2) /* 2^30 - 1: an arc can then take up all that its sister carries */
 
-struct vista_maxflow_arc;
 struct vista_maxflow_branch;
 
 /* Solver state for one graph, used again from cut to cut; its arrays are private to the solver. Between calls no node
  * is marked, so that the cost of a call depends on its subset and not on the graph. */
 typedef struct vista_maxflow {
   vista_graph graph;
-  struct vista_maxflow_arc *arcs; /* arc_count */
   struct vista_maxflow_branch *branches; /* node_count */
-  int32_t *residual; /* 2 (edge_count + node_count) */
+  int32_t *residual; /* arc_count + node_count */
   int32_t *next_active; /* node_count */
   int32_t *orphans; /* node_count */
   int32_t *opened; /* node_count */
