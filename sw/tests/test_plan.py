@@ -284,6 +284,21 @@ def test_a_fixed_wing_flies_around_and_its_plan_is_a_circle_that_closes() -> Non
     assert flight.position_m[2] >= 150.0 and flight.clearance_m > 0.8 * RADIUS_M
 
 
+def test_a_fixed_wing_flies_on_between_boards_that_hide_what_its_circles_cross() -> None:
+    """Behind them nobody knows what is there, and the circle is flown only if nothing else passes later."""
+    space = seen_world([Wall(20.0, (5.0, 18.0)), Wall(20.0, (-18.0, -5.0))])
+    goal = goal_of((0.0, 0.0, 300.0), 12.0, (0.0, 0.0, 0.0))
+    decision = Planner(plan__vehicle="fixed_wing").decide(space, state_of(velocity=(0.0, 0.0, 12.0)), goal)
+    assert decision.action == "proceeds" and not decision.escape_seen
+    space.reset()
+    for k in range(6):
+        space.take(UNMATCHED, 1.0 + 0.1 * k)
+    blind = Planner(plan__vehicle="fixed_wing").decide(
+        space, state_of(velocity=(0.0, 0.0, 12.0), t_s=2.0), goal
+    )
+    assert all(option.ruling != "chosen" for option in blind.options if option.primitive == "straight")
+
+
 @pytest.mark.slow
 def test_a_fixed_wing_goes_on_rolling_when_it_decides_anew() -> None:
     """Half a turn at 40 degrees of bank, to a goal behind it, takes less than 5 s, ten decisions a second."""

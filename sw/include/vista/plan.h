@@ -17,7 +17,8 @@
  * What was seen to be free some seconds ago counts as free when it is out of view; a level grid around the vehicle keeps
  * what was seen for a minute, and tells the shortest way to the goal, which weighs the manoeuvres.
  * Where no manoeuvre passes, the escape of the decision before is flown. The circle of a fixed wing leads out of what its
- * camera sees: what no frame has in view counts as free there unless something is known to be in it (escape_seen).
+ * camera sees: what no frame has in view, and from 1.5 s ahead on what is hidden, counts as free there unless something is
+ * known to be in it (escape_seen).
  *
  * World, metres and poses are those of the detector. What is decided depends on the calls alone, not on a clock. */
 #ifndef VISTA_PLAN_H
@@ -125,7 +126,7 @@ typedef struct vista_plan_decision {
   vista_plan_setpoint setpoint; /* vista_plan_at a tenth of a second after t_ns */
   int32_t chosen; /* the option that is flown; -1: an escape or a stop that was committed to before */
   double escape_s; /* after so long, the escape begins */
-  bool escape_seen; /* all of the escape was seen to be free; false: a part of the circle was in no view */
+  bool escape_seen; /* all of the escape was seen to be free; false: a part of the circle was in no view, or hidden */
   double step_s; /* from one point to the next */
   int32_t point_count, circle_from; /* the points from there on are a circle that is flown on; -1: it ends in a stop */
   vista_plan_setpoint points[VISTA_PLAN_MOST_POINTS]; /* the first one at t_ns */

@@ -15,6 +15,8 @@
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
 #define SIGMAS 2.0 /* of an obstacle's position */
+/* What is farther ahead on a circle than so long a flight is looked at again before the vehicle is there. */
+#define CIRCLE_KNOWN_S 1.5
 
 static const vista_track *track_of(const vista_plan_space *space, const vista_obstacle *obstacle) {
   for (int32_t k = 0; k < space->seen.track_count; ++k)
@@ -186,7 +188,8 @@ bool vista_plan_check(vista_plan_space *space, vista_plan_decision *plan, bool o
       memcpy(last_m, point_m, sizeof last_m);
       const bool circles = plan->circle_from >= 0 && after_s > plan->escape_s;
       if (place.ruling == VISTA_PLAN_CHOSEN || (occupied_alone && !place.occupied)) continue;
-      if (place.ruling == VISTA_PLAN_BY_VIEW && circles) {
+      const bool later = place.ruling == VISTA_PLAN_BY_UNKNOWN && after_s > CIRCLE_KNOWN_S;
+      if (circles && (later || place.ruling == VISTA_PLAN_BY_VIEW)) {
         plan->escape_seen = false;
         continue;
       }

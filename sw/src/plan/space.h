@@ -5,7 +5,11 @@
  * confirmed obstacles that reach into it; and the newest frame that has it in view has to see through it, too. A place
  * that was seen to be free counts as free for some seconds after it has left the view, with half a radius around; so the
  * vehicle can go back where it came from, and turn its camera to other ways. What moves by itself is where it will be at
- * that time. */
+ * that time.
+ *
+ * The circle of a fixed wing is longer than the view is wide. What nobody can tell of it counts as free, whether it is out
+ * of view or hidden: if only what is out of view did, it would always turn away from what hides something, as from the
+ * route behind the corner of a house. */
 #ifndef VISTA_PLAN_SPACE_H
 #define VISTA_PLAN_SPACE_H
 
