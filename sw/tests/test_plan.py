@@ -285,7 +285,7 @@ def test_a_fixed_wing_flies_around_and_its_plan_is_a_circle_that_closes() -> Non
 
 
 def test_a_fixed_wing_flies_on_between_boards_that_hide_what_its_circles_cross() -> None:
-    """Behind them nobody knows what is there, and the circle is flown only if nothing else passes later."""
+    """Nobody knows what is behind them, and the circle is flown only if nothing else passes later."""
     space = seen_world([Wall(20.0, (5.0, 18.0)), Wall(20.0, (-18.0, -5.0))])
     goal = goal_of((0.0, 0.0, 300.0), 12.0, (0.0, 0.0, 0.0))
     decision = Planner(plan__vehicle="fixed_wing").decide(space, state_of(velocity=(0.0, 0.0, 12.0)), goal)
