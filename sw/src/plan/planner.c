@@ -127,9 +127,12 @@ static bool passes(work *w, vista_plan_option *option) {
       option->ruling = VISTA_PLAN_BY_DYNAMICS;
       return false;
     }
-    if (!vista_plan_check(&w->space, w->decision, false, option)) continue;
-    option->ruling = VISTA_PLAN_CHOSEN;
-    return true;
+    if (vista_plan_check(&w->space, w->decision, false, option)) {
+      option->ruling = VISTA_PLAN_CHOSEN;
+      return true;
+    }
+    if (option->after_s <= w->decision->escape_s)
+      return false; /* before a circle begins: in the way of the other, too */
   }
   return false;
 }
