@@ -47,6 +47,9 @@ def make_kitti(root: Path, frames: int = FRAMES) -> Path:
     rows = {"P0": 0.0, "P1": -240.0 * 0.25}
     lines = [f"{key}: 240 0 160 {offset} 0 240 120 0 0 0 1 0\n" for key, offset in rows.items()]
     (folder / "calib.txt").write_text("".join(lines))
+    aside_m = 3 * 0.25 / 8  # the wall's disparity is 8 px
+    poses = "".join(f"1 0 0 {index * aside_m} 0 1 0 0 0 0 1 0\n" for index in range(frames))
+    (root / "poses" / "00.txt").write_text(poses)
     return folder
 
 

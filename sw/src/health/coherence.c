@@ -241,11 +241,6 @@ static void remember(vista_coherence *c, const double x[UNKNOWNS], double covari
     }
 }
 
-static int by_size(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* How much larger a point's disparity is than the poses let expect; false: its words do not tell. (What the fit says that
  * the poses lack does not help: before a single wall it can't tell a step from an offset.) */
 static bool change_of(const vista_coherence *c, const observation *o, const int16_t *words, double *change_px) {
@@ -263,7 +258,7 @@ static double jump_of(const vista_coherence *c, const observation *seen, int32_t
   int32_t count = 0;
   for (int32_t k = 0; k < found; ++k) count += change_of(c, &seen[k], words, &changes_px[count]);
   if (count < JUMP_FEWEST) return 0.0;
-  qsort(changes_px, (size_t)count, sizeof *changes_px, by_size);
+  qsort(changes_px, (size_t)count, sizeof *changes_px, vista_by_size);
   const int32_t apart = count < JUMP_MANY ? 0 : count / 4;
   /* What was placed by a wrong disparity approaches at a wrong pace, which is no further jump. */
   const double least_px = fmax(JUMP_PX, JUMP_SHARE * fabs(c->jump_px));
