@@ -103,6 +103,11 @@ static vista_turn improve(const row *rows, int32_t count, vista_turn turn, vista
   return (vista_turn){m.pp * pitch + m.pr * roll, m.pr * pitch + m.rr * roll};
 }
 
+static int by_size(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
 /* Counts those that agree, and measures their rows. Where they scatter more than expected, the turn is known less. */
 static void judge(const row *rows, int32_t count, vista_row_fit *fit) {
   double errors[VISTA_ROW_MATCHES_MOST], squares = 0.0;
@@ -118,7 +123,7 @@ static void judge(const row *rows, int32_t count, vista_row_fit *fit) {
   fit->covariance.pp *= scatter;
   fit->covariance.pr *= scatter;
   fit->covariance.rr *= scatter;
-  qsort(errors, (size_t)fit->agreeing, sizeof *errors, vista_by_size);
+  qsort(errors, (size_t)fit->agreeing, sizeof *errors, by_size);
   fit->row_error_px = errors[fit->agreeing / 2];
   fit->row_error_90_px = errors[fit->agreeing * 9 / 10];
 }

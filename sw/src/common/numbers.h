@@ -44,12 +44,6 @@ static inline double vista_lower_median(double *values, int32_t count) {
 static inline bool vista_positive(double value) { return isfinite(value) && value > 0.0; }
 static inline bool vista_not_negative(double value) { return isfinite(value) && value >= 0.0; }
 
-/* The order of two doubles, for qsort. */
-static inline int vista_by_size(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* later - earlier, without the signed overflow that a far-fetched pair would give. */
 static inline double vista_seconds_between(int64_t earlier_ns, int64_t later_ns) {
   return 1e-9 * (double)((uint64_t)later_ns - (uint64_t)earlier_ns);

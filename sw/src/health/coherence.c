@@ -241,8 +241,8 @@ static void remember(vista_coherence *c, const double x[UNKNOWNS], double covari
     }
 }
 
-/* How much larger a point's disparity is than the poses let expect; false: its words do not tell. (What the fit says that
- * the poses lack does not help: before a single wall it can't tell a step from an offset.) */
+/* How much larger a point's disparity is than the poses let expect; false: its words do not tell. What the fit says that
+ * the poses lack is not allowed for: before a single wall the fit cannot tell a step from an offset. */
 static bool change_of(const vista_coherence *c, const observation *o, const int16_t *words, double *change_px) {
   const vista_camera *const camera = &c->camera;
   if (o->u_px < 0 || o->v_px < 0 || o->u_px + SIDE_PX > camera->width_px || o->v_px + SIDE_PX > camera->height_px)
@@ -252,21 +252,21 @@ static bool change_of(const vista_coherence *c, const observation *o, const int1
   return disparity_px > 0.0;
 }
 
-/* By how much the disparities of most points have changed beside their motion; 0: not by as much as a jump is. */
+/* By how much the disparities of most points have changed beside what their motion changes; 0: by less than a jump. */
 static double jump_of(const vista_coherence *c, const observation *seen, int32_t found, const int16_t *words) {
   double changes_px[VISTA_COHERENCE_POINTS];
   int32_t count = 0;
   for (int32_t k = 0; k < found; ++k) count += change_of(c, &seen[k], words, &changes_px[count]);
   if (count < JUMP_FEWEST) return 0.0;
-  qsort(changes_px, (size_t)count, sizeof *changes_px, vista_by_size);
+  const double median_px = vista_lower_median(changes_px, count); /* and they are sorted */
   const int32_t apart = count < JUMP_MANY ? 0 : count / 4;
-  /* What was placed by a wrong disparity approaches at a wrong pace, which is no further jump. */
+  /* After a jump, points are placed by a wrong disparity and approach at a wrong pace, which is no further jump. */
   const double least_px = fmax(JUMP_PX, JUMP_SHARE * fabs(c->jump_px));
   const bool jumped = changes_px[apart] > least_px || changes_px[count - 1 - apart] < -least_px;
-  return jumped ? changes_px[count / 2] : 0.0;
+  return jumped ? median_px : 0.0;
 }
 
-/* The mean of the frames since may say that there is no offset. */
+/* Forgets a jump when the mean of the frames since says that there is hardly an offset. */
 static void deny_jump(vista_coherence *c, const vista_estimate *offset_px) {
   if (fabs(offset_px->value) + 2.0 * offset_px->sigma < JUMP_SHARE * fabs(c->jump_px)) c->jump_px = 0.0;
 }
@@ -331,7 +331,7 @@ static void compare(vista_coherence *c, const vista_level *before, const vista_l
     r->turn_sigma_rad = fmax(r->turn_sigma_rad, sqrt(covariance[i][i]));
     r->step_sigma_m = fmax(r->step_sigma_m, sqrt(covariance[3 + i][3 + i]));
   }
-  if (jump_px != 0.0) return; /* the disparities of the frame before tell nothing of an offset now */
+  if (jump_px != 0.0) return; /* this fit is of the disparities before the jump */
   double way_m[3];
   for (int i = 0; i < 3; ++i) way_m[i] = motion->pose.translation_m[i] - c->pose.translation_m[i];
   remember(c, x, covariance, vista_norm(way_m), vista_seconds_between(c->t_ns, t_ns));

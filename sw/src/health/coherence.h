@@ -9,8 +9,8 @@
  * 30 m and moves by 1 m shows in a frame.
  *
  * A camera that turns in yaw from one frame to the next changes the disparities of all points at once, beside what the
- * motion changes. That is seen in its frame, by few points, and without a motion; it is taken for granted until they
- * change back, or the means say otherwise.
+ * motion changes. That is seen in its frame, by few points, and without a motion. The jump counts as lasting until
+ * they change back, or until the means say that there is no offset.
  *
  * Things that move by themselves, and words matched by chance, agree on nothing and are left out. Where fewer points are
  * found than can be, the poses are so far off that nothing is found where they say. Internal to libvista. */
@@ -56,7 +56,7 @@ typedef struct vista_coherence {
   bool posed; /* the newest image has a pose */
   vista_pose pose;
   int64_t t_ns;
-  double jump_px;
+  double jump_px; /* as in the result */
   /* Of what lasts, which are velocity and offset: the inverse of the covariance, and that times the values. */
   double information[VISTA_COHERENCE_LASTING][VISTA_COHERENCE_LASTING], weighted[VISTA_COHERENCE_LASTING];
 } vista_coherence;

@@ -7,9 +7,9 @@
  * vehicle can go back where it came from, and turn its camera to other ways. What moves by itself is where it will be at
  * that time.
  *
- * The circle of a fixed wing is longer than the view is wide. What nobody can tell of it counts as free, whether it is out
- * of view or hidden: if only what is out of view did, it would always turn away from what hides something, as from the
- * route behind the corner of a house. */
+ * The circle of a fixed wing is wider than the view. What is out of view on it counts as free, and so does what is hidden,
+ * from 1.5 s ahead on. If hidden places ruled the circle out, the aircraft would always turn away from what hides
+ * something, as from its route behind the corner of a house. */
 #ifndef VISTA_PLAN_SPACE_H
 #define VISTA_PLAN_SPACE_H
 

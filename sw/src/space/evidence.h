@@ -36,8 +36,7 @@ typedef struct vista_evidence {
   int16_t *word; /* height * width: 1/16 px; 0: unbounded */
   uint8_t *kind; /* height * width: vista_sight_kind */
   int16_t *nearest; /* scratch, width of the image and one more */
-  int16_t *
-      low; /* scratch, width: all bits set where the word that bounds this column is far and lies well below the horizon */
+  int16_t *low; /* scratch, width: -1 where the word that bounds this column is far and well below the horizon */
 } vista_evidence;
 
 /* What a line of sight says of a range of distances. */
