@@ -14,7 +14,7 @@ def line(frame: int, t_ns: int, number: int) -> bytes:
 
 
 def flown(passes: int = 10) -> list[bytes]:
-    """Of two frames each; one obstacle, whose number is counted on."""
+    """Passes of two frames, with one obstacle whose number is counted on."""
     return [line(frame, 100 * k + 10 * frame, 3 * k) for k in range(passes) for frame in (5, 6)]
 
 
