@@ -287,7 +287,8 @@ def brute_force_m(volume, plane, path_at, short_m: float = 0.0) -> float:
     normal, offset = np.array(list(plane.normal)), plane.offset_m
     clearance = offset - normal @ np.array(list(volume.path.start_m))
     radius = min(volume.radius_m, volume.clearance_share * clearance)
-    for along in np.arange(0.0, volume.path.length_m, 0.05):
+    length = volume.path.length_m
+    for along in np.append(np.arange(0.0, length, 0.05), length):
         point, direction = path_at(along)
         if normal @ point + radius >= offset - short_m:
             return along + radius * (normal @ direction)
