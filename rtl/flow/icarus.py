@@ -56,7 +56,19 @@ def released(config: Config) -> Path:
     return made_once(build.path, folder, digest, functools.partial(release, build, build.path))
 
 
-def replay(config: Config, design: Path, trace: Path) -> Replayed:
+def replay(design: Path, trace: Path) -> Replayed:
+    """Runs the design through what was recorded. It takes half a minute, so what Icarus says is kept
+    until the design, the trace or the pinned Icarus is another."""
+    said = BUILD / "release" / f"{design.stem}.{trace.name}.said"
+    digest = digest_of([design, trace, REPLAY, Path(__file__), ROOT / "scripts/requirements/icarus.txt"])
+    made_once(said, said.with_suffix(".parts"), digest, functools.partial(_replay, design, trace, said))
+    found = re.search(r"(\d+) clocks, (\d+) words, (\d+) with x, (\d+) differ", said.read_text())
+    assert found, said.read_text()
+    clocks, words, with_x, differ = map(int, found.groups())
+    return Replayed(clocks, words, with_x, differ, said.read_text())
+
+
+def _replay(design: Path, trace: Path, said: Path) -> None:
     compiler, runner = commands()
     program = BUILD / "release" / f"{design.stem}.vvp"
     subprocess.run(
@@ -65,7 +77,4 @@ def replay(config: Config, design: Path, trace: Path) -> Replayed:
         check=True, capture_output=True, text=True,
     )  # fmt: skip
     done = subprocess.run([*runner, program, f"+trace={trace}"], check=True, capture_output=True, text=True)
-    found = re.search(r"(\d+) clocks, (\d+) words, (\d+) with x, (\d+) differ", done.stdout)
-    assert found, done.stdout
-    clocks, words, with_x, differ = map(int, found.groups())
-    return Replayed(clocks, words, with_x, differ, done.stdout)
+    said.write_text(done.stdout)

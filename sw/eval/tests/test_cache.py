@@ -20,6 +20,7 @@ from vista_eval.cache import (
     digest_of,
     flight_files,
     kept,
+    module_code,
     our_packages,
     to_json,
 )
@@ -106,7 +107,7 @@ def file_of(module: str, roots: Roots) -> Path:
 
 
 def digest_anew(entry: str, roots: Roots) -> str:
-    code_of.cache_clear()
+    module_code.cache_clear()
     return code_digest(entry, roots)
 
 
@@ -121,7 +122,7 @@ def test_code_that_is_imported_counts_wherever_it_lies(copied: Roots, entry: str
     for module in modules:
         with file_of(module, copied).open("a") as file:
             file.write("\nADDED = 1\n")
-    code_of.cache_clear()
+    module_code.cache_clear()
     changed = code_of(entry, copied)
     assert set(changed) == set(modules)
     assert {module for module in modules if changed[module] == modules[module]} == set()

@@ -124,10 +124,10 @@ def code_digest(entry: str, roots: Roots | None = None) -> str:
     return digest_of(*sorted(code_of(entry, roots).values()))
 
 
-@cache
 def code_of(entry: str, roots: Roots | None = None) -> dict[str, str]:
     """The digest of each module that counts, by its name."""
-    folders = dict(our_packages() if roots is None else roots)
+    roots = our_packages() if roots is None else roots
+    folders = dict(roots)
     found: dict[str, str] = {}
     waiting = [entry]
     while waiting:
@@ -135,11 +135,19 @@ def code_of(entry: str, roots: Roots | None = None) -> dict[str, str]:
         if name in found:
             continue
         path = _module_file(name, folders) or Path(sys.modules[name].__file__ or "")  # a test's own module
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-        waiting += _imported(tree, package, folders)
-        found[name] = digest_of(_bare(tree, folders))
+        found[name], imported = module_code(name, path, roots)
+        waiting += imported
     return found
+
+
+@cache
+def module_code(name: str, path: Path, roots: Roots) -> tuple[str, list[str]]:
+    """The digest of a module by itself, and what it imports of ours. Entries share most of their modules."""
+    folders = dict(roots)
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    imported = _imported(tree, package, folders)
+    return digest_of(_bare(tree, folders)), imported
 
 
 @cache
