@@ -7,6 +7,7 @@ import random
 import numpy as np
 from cocotb.handle import SimHandleBase
 from cocotb.triggers import FallingEdge
+from video import Ports
 
 LINE_BLANKING, JITTER, VSYNC = 40, 3, 6  # clocks
 # What may happen to a frame: it is missing, or late; nothing comes from some line on; a line is missing, too
@@ -23,13 +24,13 @@ class Sensor:
     """A camera at the ports with the name of its side."""
 
     def __init__(self, dut: SimHandleBase, side: str, rng: random.Random) -> None:
-        names = ("clk_i", "vsync_i", "href_i", "data_i")
-        self.clk, self.vsync, self.href, self.data = (getattr(dut, f"{side}_{name}") for name in names)
-        self.rng = rng
+        self.ports, self.side, self.rng = Ports(dut), side, rng
 
     async def clock(self, vsync: int, href: int, data: int) -> None:
-        await FallingEdge(self.clk)
-        self.vsync.value, self.href.value, self.data.value = vsync, href, data
+        await FallingEdge(self.ports[f"{self.side}_clk_i"])
+        self.ports.drive(
+            **{f"{self.side}_vsync_i": vsync, f"{self.side}_href_i": href, f"{self.side}_data_i": data}
+        )
 
     async def blank(self, clocks: int, vsync: int = 0) -> None:
         for _ in range(clocks):

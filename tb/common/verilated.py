@@ -28,6 +28,7 @@ from tools import (
 )
 
 HARNESS = ROOT / "rtl" / "sim" / "vista_rtl.cpp"
+HERE = Path(__file__).parent
 # An upset breaks what the properties promise, and its bits are reached by Verilator's tables of names.
 UPSET_FLAGS = [f for f in VERILATOR_FLAGS if f not in ("--assert", "-DVISTA_ASSERT")] + ["--vpi"]
 USER, LAST = 1 << 16, 1 << 17  # of a beat
@@ -110,12 +111,15 @@ def build(config: Config) -> Path:
     folder = BUILD / "top" / config.name
     files = (sources if config.parity else bench_sources)("vista_stereo.f")  # the latter have no parity
     others = [*(ROOT / "rtl" / "formal").glob("*.svh"), *HARNESS.parent.glob("*.[ch]*"), Path(__file__)]
+    others += [HERE / "object_cache.sh", HERE / "assertions_on.h"]
     others += config.stand.made_of if config.stand else []
     digest = digest_of([*files, *sorted(others)], repr(config), repr(VERILATOR_FLAGS))
     return made_once(folder / "engine.so", folder, digest, functools.partial(_build, config, files, folder))
 
 
 def _build(config: Config, files: list[Path], folder: Path) -> None:
+    for stale in folder.glob("*.[ao]"):  # make asks for the age of their sources, not for flags and headers
+        stale.unlink()
     stand = config.stand
     if stand:
         files = stand.files(config)

@@ -255,6 +255,8 @@ class Driver:
     def __init__(self, dut: SimHandleBase, dice: random.Random, option: str, along: tuple[str, ...]) -> None:
         self.dut, self.dice, self.option, self.along = dut, dice, option, along
         self.ports = Ports(dut)
+        names = ("width_i", "height_i", "enable_i", "side_i", option)
+        self.settings = {name: len(getattr(dut, name)) for name in names if name and hasattr(dut, name)}
         self.max_width = parameter("MaxWidth")
         self.memory: Memory | None = None  # of the run, if there are ports for it
         self.patience = 400  # clocks without a beat before it is over, at full pace
@@ -269,19 +271,15 @@ class Driver:
             self.wakes += ("store_axis_tvalid",)
 
     def set_up(self, segment: Segment) -> None:
-        dut = self.dut
-        dut.width_i.value, dut.height_i.value = segment.width, segment.height
-        dut.enable_i.value = segment.enable
-        if hasattr(dut, "side_i"):
-            dut.side_i.value = segment.side
-        if self.option:
-            getattr(dut, self.option).value = segment.option
+        settings = {
+            "width_i": segment.width, "height_i": segment.height, "enable_i": int(segment.enable),
+            "side_i": segment.side, self.option: segment.option,
+        }  # fmt: skip
+        self.ports.drive(**{name: settings[name] for name in self.settings})
 
     def distract(self) -> None:
         """Sets anything: no frame has what is set in another clock than that of its first pixel's offer."""
-        for name in ("width_i", "height_i", "enable_i", "side_i", self.option):
-            if name and (port := getattr(self.dut, name, None)) is not None:
-                port.value = self.dice.getrandbits(len(port))
+        self.ports.drive(**{name: self.dice.getrandbits(bits) for name, bits in self.settings.items()})
 
     async def run(
         self, segments: list[Segment], offered: float, taken: float, stop_after: int | None = None

@@ -12,6 +12,7 @@ from dvp_sensor import DROP_OUTS, Sensor, frame_clocks
 from frames import random_pair, random_parameters
 from raw_frames import RawFrame
 from registers import CONTROL, ENABLE, ERRORS
+from video import Ports
 
 DEPTH = parameter("Depth")
 SIDES = ("left", "right")
@@ -27,7 +28,7 @@ class Bench:
     """The sensors, what leaves as pairs, and the words; frame by frame."""
 
     def __init__(self, dut, random):
-        self.dut, self.random = dut, random
+        self.dut, self.ports, self.random = dut, Ports(dut), random
         self.sensors = [Sensor(dut, side, random) for side in SIDES]
         self.pairs, self.words = [], []
         self.broken, self.refused = 0, [0, 0]
@@ -58,36 +59,34 @@ class Bench:
         for address, data in frame.writes():
             await registers.write_dword(address, data)
         cocotb.start_soon(self.watch())
-        cocotb.start_soon(self.read())
         return registers
 
     async def watch(self):
-        dut = self.dut
+        """Notes what leaves, and takes words or pauses."""
+        ports = self.ports
+        ready, paused = 0, 0
         while True:
-            await FallingEdge(dut.clk_i)
-            self.broken += int(dut.broken_o.value)
-            self.refused[0] += int(dut.left_refused_o.value)
-            self.refused[1] += int(dut.right_refused_o.value)
-            if dut.pair_valid_o.value and dut.pair_ready_o.value:
-                if dut.pair_sof_o.value:
+            await FallingEdge(ports["clk_i"])
+            self.broken += bool(ports["broken_o"].value)
+            self.refused[0] += bool(ports["left_refused_o"].value)
+            self.refused[1] += bool(ports["right_refused_o"].value)
+            if ports["pair_valid_o"].value and ports["pair_ready_o"].value:
+                if ports["pair_sof_o"].value:
                     self.pairs.append([])
-                self.pairs[-1].append((int(dut.pair_data_o.value), int(dut.pair_eol_o.value)))
-
-    async def read(self):
-        dut = self.dut
-        paused = 0
-        while True:
-            await FallingEdge(dut.clk_i)
-            if dut.m_axis_tready.value and dut.m_axis_tvalid.value:
+                self.pairs[-1].append((int(ports["pair_data_o"].value), int(ports["pair_eol_o"].value)))
+            if ready and ports["m_axis_tvalid"].value:
                 # It is taken at the edge that follows; the ports do not change before.
-                if dut.m_axis_tuser.value:
+                if ports["m_axis_tuser"].value:
                     self.words.append([])
-                self.words[-1].append(int(dut.m_axis_tdata.value))
+                self.words[-1].append(int(ports["m_axis_tdata"].value))
+            if ready and self.taken == 1.0:
+                continue
             await Timer(CLOCK_PS * 3 // 4, "ps")  # behind the edge
             paused -= 1
             if paused < 0 and self.random.random() >= self.taken:
                 paused = self.pause
-            dut.m_axis_tready.value = paused <= 0
+            ready = int(paused <= 0)
+            ports.drive(m_axis_tready=ready)
 
     async def moment(self, frame, what):
         """What leaves of a frame of each camera, and how often pairs broke off and frames were refused."""
