@@ -27,7 +27,7 @@ TOLERANCE = 1e-9  # relative: the detector's numbers, which are given, may diffe
 
 WITHOUT_FUSED = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-FMA_Usable,-FMA4_Usable,-AVX2_Usable"
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.same_c]  # of programs that no sanitizer is built into
 built = pytest.mark.skipif(
     not (Path(HERE[0]).exists() and Path(THERE[1]).exists()),
     reason="not built for AArch64: make test-aarch64",

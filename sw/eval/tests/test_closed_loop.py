@@ -13,7 +13,7 @@ from small_worlds import GREY, coarse_textures
 from vista import parameters
 from vista.geometry import Pose
 from vista_eval.closed_loop.camera import BASELINE_M, calibration_of, rig_of
-from vista_eval.closed_loop.collision import Geometry, to_cylinders_m, to_triangles_m
+from vista_eval.closed_loop.collision import Geometry, prepared, to_cylinders_m, to_triangles_m
 from vista_eval.closed_loop.loop import NOTHING, Conditions, Faults, Flight, Moment, fly
 from vista_eval.closed_loop.outcome import Outcome, begins, outcome_of, stops_of
 from vista_eval.closed_loop.painted import FAR_M, background_m
@@ -46,12 +46,12 @@ def small_world(*standing, goal_m: float = 14.0) -> World:
 
 
 def test_distance_to_a_triangle_is_that_of_its_face_its_edges_and_its_corners():
-    corners = np.array([[[0.0, 0, 0], [4, 0, 0], [0, 4, 0]]])
+    triangle = prepared(np.array([[[0.0, 0, 0], [4, 0, 0], [0, 4, 0]]]))
     above, beside, off_corner = [1.0, 1, 2], [1.0, -3, 4], [7.0, 0, 4]
-    assert to_triangles_m(np.array(above), corners)[0] == pytest.approx(2.0)
-    assert to_triangles_m(np.array(beside), corners)[0] == pytest.approx(5.0)
-    assert to_triangles_m(np.array(off_corner), corners)[0] == pytest.approx(5.0)
-    assert to_triangles_m(np.array([4.0, 4, 0]), corners)[0] == pytest.approx(math.sqrt(8))
+    assert to_triangles_m(np.array(above), triangle)[0] == pytest.approx(2.0)
+    assert to_triangles_m(np.array(beside), triangle)[0] == pytest.approx(5.0)
+    assert to_triangles_m(np.array(off_corner), triangle)[0] == pytest.approx(5.0)
+    assert to_triangles_m(np.array([4.0, 4, 0]), triangle)[0] == pytest.approx(math.sqrt(8))
 
 
 def test_distance_to_a_cylinder_is_that_of_its_side_its_end_and_its_rim():
@@ -66,7 +66,9 @@ def test_the_tree_finds_what_looking_at_every_triangle_finds():
     made = Geometry(Scene((thing("boxes", "box", parts),), TO_SUN))
     corners = np.concatenate([part.vertices_m[part.faces.astype(int)] for part in parts]).astype(float)
     for point in rng.uniform(-12, 12, (60, 3)):
-        assert made.nearest(point).distance_m == pytest.approx(to_triangles_m(point, corners).min(), abs=1e-9)
+        assert made.nearest(point).distance_m == pytest.approx(
+            to_triangles_m(point, prepared(corners)).min(), abs=1e-9
+        )
 
 
 def test_of_things_of_all_kinds_the_nearest_is_named():

@@ -26,26 +26,33 @@ class Near(NamedTuple):
 # ---- closed forms ----
 
 
-def to_triangles_m(point: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """(n,) distances to triangles (n, 3, 3), by the regions of Voronoi of corners, edges and face
+def prepared(corners_m: np.ndarray) -> np.ndarray:
+    """(n, 10, 3) what the distance from triangles (n, 3, 3) takes that does not depend on the point: where
+    the edges begin, the edges, the inverse of their squared lengths, and the three vectors that turn a way
+    from the first corner into its two shares of the edges there and its height above the plane. Triangles
+    without area have no such vectors."""
+    a, b, c = corners_m[:, 0], corners_m[:, 1], corners_m[:, 2]
+    edges = np.stack([b - a, c - a, c - b], axis=1)
+    inverse = 1.0 / np.maximum(np.einsum("nij,nij->ni", edges, edges), 1e-300)
+    normal = np.cross(edges[:, 0], edges[:, 1])
+    square = dots(normal, normal)[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        across = [np.cross(edges[:, 1], normal) / square, np.cross(normal, edges[:, 0]) / square]
+        plane = np.stack([*across, normal / np.sqrt(square)], axis=1)
+    return np.concatenate([np.stack([a, a, b], axis=1), edges, inverse[:, None], plane], axis=1)
+
+
+def to_triangles_m(point: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(n,) distances to prepared triangles, by the regions of Voronoi of corners, edges and face
     (Ericson 2005)."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    ab, ac, ap = b - a, c - a, point - a
-    edges = ((a, ab), (a, ac), (b, c - b))
-    nearest = np.min([to_segments_m(point, start, along) for start, along in edges], axis=0)
-    normal = np.cross(ab, ac)
-    square = dots(normal, normal)
-    safe = np.maximum(square, 1e-300)
-    second = dots(np.cross(ap, ac), normal) / safe
-    third = dots(np.cross(ab, ap), normal) / safe
-    inside = (second >= 0) & (third >= 0) & (second + third <= 1) & (square > 0)
-    height = np.abs(dots(ap, normal)) / np.sqrt(safe)
-    return np.where(inside, height, nearest)
-
-
-def to_segments_m(point: np.ndarray, start: np.ndarray, along: np.ndarray) -> np.ndarray:
-    share = np.clip(dots(point - start, along) / np.maximum(dots(along, along), 1e-300), 0.0, 1.0)
-    return np.linalg.norm(point - start - share[:, None] * along, axis=1)
+    starts, edges, inverse, plane = np.split(triangles, (3, 6, 7), axis=1)
+    away = point - starts
+    share = np.clip(np.einsum("nij,nij->ni", away, edges) * inverse[:, 0], 0.0, 1.0)
+    gap = away - share[..., None] * edges
+    nearest = np.sqrt(np.einsum("nij,nij->ni", gap, gap).min(axis=1))
+    second, third, height = np.einsum("nij,nj->in", plane, away[:, 0])
+    inside = (second >= 0) & (third >= 0) & (second + third <= 1)
+    return np.where(inside, np.abs(height), nearest)
 
 
 def to_cylinders_m(point: np.ndarray, start: np.ndarray, end: np.ndarray, radius: np.ndarray) -> np.ndarray:
@@ -72,6 +79,7 @@ class Triangles:
     def __init__(self, corners_m: np.ndarray, owner: np.ndarray) -> None:
         order = np.argsort(morton(corners_m.mean(axis=1)), kind="stable")
         self.corners_m, self.owner = corners_m[order].astype(float), owner[order]
+        self.prepared: dict[int, np.ndarray] = {}  # by block, of those that were looked at
         starts = np.arange(0, len(order), BLOCK)
         self.low_m = np.minimum.reduceat(self.corners_m.min(axis=1), starts, axis=0)
         self.high_m = np.maximum.reduceat(self.corners_m.max(axis=1), starts, axis=0)
@@ -87,13 +95,16 @@ class Triangles:
             chosen = blocks[first:last]
             chosen = chosen[bound[chosen] < best]
             if len(chosen):
-                rows = (chosen[:, None] * BLOCK + np.arange(BLOCK)).ravel()
-                rows = rows[rows < len(self.owner)]
-                distance = to_triangles_m(point, self.corners_m[rows])
+                distance = to_triangles_m(point, np.concatenate([self.block(k) for k in chosen.tolist()]))
                 k = int(np.argmin(distance))
                 if distance[k] < best:
-                    best, owner = float(distance[k]), int(self.owner[rows[k]])
+                    best, owner = float(distance[k]), int(self.owner[chosen[k // BLOCK] * BLOCK + k % BLOCK])
         return best, owner
+
+    def block(self, k: int) -> np.ndarray:
+        if k not in self.prepared:
+            self.prepared[k] = prepared(self.corners_m[k * BLOCK : (k + 1) * BLOCK])
+        return self.prepared[k]
 
 
 def morton(points_m: np.ndarray) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import reduce
+from functools import lru_cache, reduce
 
 import cv2
 import numpy as np
@@ -15,8 +15,6 @@ def noise(x_m: np.ndarray, y_m: np.ndarray, wavelength_m: float, seed: int) -> n
 
     Fast for a grid given as a column `x_m` (N, 1) and a row `y_m` (1, M), or the other way round.
     """
-    lattice = np.random.default_rng(seed).random((LATTICE, LATTICE), dtype=np.float32) - 0.5
-    lattice = np.asarray(cv2.copyMakeBorder(lattice, 0, 4, 0, 4, cv2.BORDER_WRAP), np.float32)
     # A turn per octave keeps the lattices from lining up with the image rows.
     cos, sin = float(np.cos(seed)) / wavelength_m, float(np.sin(seed)) / wavelength_m
     column = np.mod(cos * x_m, LATTICE) - np.mod(sin * y_m, LATTICE)
@@ -24,7 +22,13 @@ def noise(x_m: np.ndarray, y_m: np.ndarray, wavelength_m: float, seed: int) -> n
     column[column < 0] += LATTICE
     row[row >= LATTICE] -= LATTICE
     column, row = (index.astype(np.float32, copy=False) + 1 for index in (column, row))
-    return cv2.remap(lattice, column, row, cv2.INTER_CUBIC)
+    return cv2.remap(_lattice(seed), column, row, cv2.INTER_CUBIC)
+
+
+@lru_cache(maxsize=32)
+def _lattice(seed: int) -> np.ndarray:
+    lattice = np.random.default_rng(seed).random((LATTICE, LATTICE), dtype=np.float32) - 0.5
+    return np.asarray(cv2.copyMakeBorder(lattice, 0, 4, 0, 4, cv2.BORDER_WRAP), np.float32)
 
 
 def smoothstep(low: float, high: float, value: np.ndarray) -> np.ndarray:

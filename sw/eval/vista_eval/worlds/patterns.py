@@ -25,14 +25,18 @@ def _standard(tile: np.ndarray) -> Tile:
 @lru_cache(maxsize=48)
 def cloudy(seed: int, slope: float = 1.0, stretch: float = 1.0) -> Tile:
     """Noise whose amplitude falls with frequency to the power of -slope; `stretch` > 1: longer along rows."""
-    rng = np.random.default_rng(seed)
-    fu, fv = np.fft.rfftfreq(SIZE)[None, :], np.fft.fftfreq(SIZE)[:, None]
-    frequency = np.hypot(fu * stretch, fv)
-    frequency[0, 0] = np.inf
-    phases = np.exp(2j * np.pi * rng.random(frequency.shape))
-    amplitude = np.abs(rng.standard_normal(frequency.shape)) * np.maximum(frequency, 2 / SIZE) ** -slope
-    amplitude[0, 0] = 0.0
+    rng, falling = np.random.default_rng(seed), _falling(slope, stretch)
+    phases = np.exp(2j * np.pi * rng.random(falling.shape))
+    amplitude = np.abs(rng.standard_normal(falling.shape)) * falling
     return _standard(np.fft.irfft2(amplitude * phases, (SIZE, SIZE)))
+
+
+@lru_cache(maxsize=16)
+def _falling(slope: float, stretch: float) -> np.ndarray:
+    fu, fv = np.fft.rfftfreq(SIZE)[None, :], np.fft.fftfreq(SIZE)[:, None]
+    amplitude = np.asarray(np.maximum(np.hypot(fu * stretch, fv), 2 / SIZE) ** -slope)
+    amplitude[0, 0] = 0.0
+    return amplitude
 
 
 @lru_cache(maxsize=48)
