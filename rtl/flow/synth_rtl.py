@@ -43,6 +43,9 @@ LIMITS = {"lut4": 9000, "mhz": 120.0}  # of the reference build, 32 disparities 
 LUT4_PER_DISPARITY = 200  # from one build to the next larger one
 
 
+SEEDS = (1, 2, 3, 4, 5)
+
+
 @dataclass(frozen=True)
 class Build:
     disparities: int
@@ -50,7 +53,7 @@ class Build:
     width: int
     device: str  # 25k, 45k, 85k
     speed: int = 6
-    seeds: tuple[int, ...] = (1, 2, 3, 4, 5)
+    seeds: tuple[int, ...] = SEEDS
 
     @property
     def folder(self) -> Path:
@@ -77,7 +80,7 @@ class Block:
     width: int = 1024
     device: str = "25k"
     speed: int = 6
-    seeds: tuple[int, ...] = (1, 2, 3)
+    seeds: tuple[int, ...] = SEEDS
 
     @property
     def folder(self) -> Path:
