@@ -214,6 +214,32 @@ def test_a_sudden_turn_in_yaw_is_named_in_its_frame_and_as_long_as_it_lasts(
     assert named == [ONSET <= k < END for k in range(FRAMES)]
 
 
+@cache
+def gusty(k: int, yaw_rad: float) -> Given:
+    """A frame of a vehicle that yaws and pitches as gusts take it."""
+    matrix = np.array([[FOCAL_PX, 0, (WIDTH - 1) / 2], [0, FOCAL_PX, (HEIGHT - 1) / 2], [0, 0, 1]])
+    turn = cv2.Rodrigues(yaw_rad * np.array([0.7 * np.cos(1.3 * k), np.sin(1.9 * k), 0.0]))[0]
+    view = matrix @ turn.T @ np.linalg.inv(matrix)
+    left, right = (
+        np.asarray(cv2.warpPerspective(seen(STEP_M * k, right_m, k), view, (WIDTH, HEIGHT)), np.uint8)
+        for right_m in (0.0, BASELINE_M)
+    )
+    return Given((left, right), k * PERIOD_NS, Pose(turn, np.array([0.0, 0.0, STEP_M * k])))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("late", [-2, -1, 0, 1, 2, 3])
+@pytest.mark.parametrize("yaw_rad", [0.003, 0.018])
+def test_images_and_poses_of_other_times_are_doubted_while_the_vehicle_turns(
+    yaw_rad: float, late: int
+) -> None:
+    """They have been apart from the first frame on, as those of a clock that is off: nothing jumps. With
+    strong gusts nothing is found where the poses say."""
+    found = fly(lambda k: replace(gusty(k + 3, yaw_rad), images=gusty(k + 3 - late, yaw_rad).images))
+    doubted = [Reason.MOTION_DOUBTFUL in reasons for reasons in found]
+    assert all(doubted[6:]) if late else not any(doubted)
+
+
 @pytest.mark.slow
 def test_nothing_is_said_of_a_flight_without_fault() -> None:
     assert list(fly(lambda k: flight()[k])) == [set()] * FRAMES

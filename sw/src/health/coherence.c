@@ -34,6 +34,13 @@
 #define JUMP_FEWEST 4
 #define JUMP_MANY 8 /* of which a quarter on each side may be wrong */
 #define JUMP_PX 0.5
+#define TURNS VISTA_COHERENCE_TURNS
+#define LATE_MOST 3 /* frames */
+#define LATE_OVER 4 /* the newest frames, by which it is told, */
+#define LATE_FEWEST 2
+#define LATE_TURN_RAD 0.001 /* that poses and images differ by in one frame, */
+#define LATE_SQUARE 30.0 /* squared distance in such errors, */
+#define LATE_SHARE 0.2 /* and what may be left of it */
 #define JUMP_SHARE 0.5 /* of a jump: its return is larger, and so is the mean of the frames since */
 
 void vista_coherence_layout(vista_coherence *c, vista_arena *arena, const vista_camera *camera) {
@@ -51,6 +58,7 @@ void vista_coherence_reset(vista_coherence *c) {
   c->count = 0;
   c->posed = false;
   c->jump_px = 0.0;
+  c->turned = 0;
   forget_what_lasts(c);
 }
 
@@ -286,6 +294,53 @@ static void tell(const vista_coherence *c, vista_coherence_result *r) {
   r->velocity_m_s.sigma = r->velocity_m_s.value / fmax(sqrt(square), 1e-9);
 }
 
+/* Begins the turn of a frame with what its pose says. */
+static void begin_turn(vista_coherence *c, const vista_pose *now) {
+  memmove(&c->turns[1], &c->turns[0], (TURNS - 1) * sizeof c->turns[0]);
+  c->turns[0] = (vista_coherent_turn){0};
+  double across[3][3] = {{0}}; /* the camera before, in the camera now */
+  for (int k = 0; k < 3; ++k) {
+    const double world[3] = {c->pose.rotation[k], c->pose.rotation[3 + k], c->pose.rotation[6 + k]};
+    vista_frame_direction_to_camera(now, world, across[k]);
+  }
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    c->turns[0].posed_rad[k] = 0.5 * (across[i][j] - across[j][i]);
+  }
+  if (c->turned < TURNS) ++c->turned;
+}
+
+/* The squared distance, in their errors, of what the newest images show from the turns that the poses had `late` frames
+ * before, and from those of their own frames; returns how many frames tell. */
+static int32_t distances_of(const vista_coherence *c, int32_t late, double *shifted, double *own) {
+  int32_t count = 0;
+  *shifted = *own = 0.0;
+  for (int32_t k = late < 0 ? -late : 0; k < c->turned && k + late < c->turned && count < LATE_OVER; ++k) {
+    const vista_coherent_turn *const turn = &c->turns[k];
+    if (!turn->shown) continue;
+    ++count;
+    const double weight = 1.0 / (vista_square(LATE_TURN_RAD) + vista_square(turn->sigma_rad));
+    for (int i = 0; i < 3; ++i) {
+      *shifted += weight * vista_square(turn->shown_rad[i] - c->turns[k + late].posed_rad[i]);
+      *own += weight * vista_square(turn->shown_rad[i] - turn->posed_rad[i]);
+    }
+  }
+  return count;
+}
+
+/* By how many frames the images are late against the poses, if what they show is far from the turns of their own poses and
+ * near to those of others; else 0. */
+static int32_t lateness_of(const vista_coherence *c) {
+  int32_t late = 0;
+  double least = LATE_SHARE;
+  for (int32_t n = -LATE_MOST; n <= LATE_MOST; ++n) {
+    double shifted, own;
+    if (n == 0 || distances_of(c, n, &shifted, &own) < LATE_FEWEST || own < LATE_SQUARE) continue;
+    if (shifted < least * own) late = n, least = shifted / own;
+  }
+  return late;
+}
+
 /* Finds the points of the frame before in this one. */
 static void find(const vista_coherence *c, const vista_level *before, const vista_level *after, const vista_pose *now,
                  observation seen[VISTA_COHERENCE_POINTS], vista_coherence_result *r) {
@@ -330,7 +385,10 @@ static void compare(vista_coherence *c, const vista_level *before, const vista_l
     r->step_m[i] = x[3 + i];
     r->turn_sigma_rad = fmax(r->turn_sigma_rad, sqrt(covariance[i][i]));
     r->step_sigma_m = fmax(r->step_sigma_m, sqrt(covariance[3 + i][3 + i]));
+    c->turns[0].shown_rad[i] = c->turns[0].posed_rad[i] + x[i];
   }
+  c->turns[0].sigma_rad = r->turn_sigma_rad;
+  c->turns[0].shown = true;
   if (jump_px != 0.0) return; /* this fit is of the disparities before the jump */
   double way_m[3];
   for (int i = 0; i < 3; ++i) way_m[i] = motion->pose.translation_m[i] - c->pose.translation_m[i];
@@ -343,14 +401,20 @@ void vista_coherence_update(vista_coherence *c, const vista_image *left, const i
   const vista_level *const before = &c->half[c->newest], *const after = &c->half[1 - c->newest];
   vista_level_halve(left->data, left->stride, after);
   const bool posed = motion->source == VISTA_MOTION_POSE && !motion->restarted;
+  if (posed && c->posed)
+    begin_turn(c, &motion->pose);
+  else
+    c->turned = 0;
   if (posed && c->posed && c->count > 0) compare(c, before, after, words, motion, t_ns, result);
   tell(c, result);
   deny_jump(c, &result->offset_px);
   result->jump_px = c->jump_px;
+  result->late = lateness_of(c);
   c->newest = 1 - c->newest;
   vista_level_halve(after->pixels, after->width_px, &c->quarter);
   c->posed = motion->source == VISTA_MOTION_POSE;
   c->pose = motion->pose;
   c->t_ns = t_ns;
   choose(c, words);
+  result->chosen = c->count;
 }

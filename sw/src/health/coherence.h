@@ -12,6 +12,9 @@
  * motion changes. That is seen in its frame, by few points, and without a motion. The jump counts as lasting until
  * they change back, or until the means say that there is no offset.
  *
+ * Images that are late against their poses, or early, by whole frames show the turns that the poses had so many frames ago,
+ * or will have. While the vehicle turns evenly, or not at all, nothing tells it.
+ *
  * Things that move by themselves, and words matched by chance, agree on nothing and are left out. Where fewer points are
  * found than can be, the poses are so far off that nothing is found where they say. Internal to libvista. */
 #ifndef VISTA_COHERENCE_H
@@ -27,6 +30,7 @@
 
 #define VISTA_COHERENCE_POINTS 128
 #define VISTA_COHERENCE_LASTING 4
+#define VISTA_COHERENCE_TURNS 8 /* frames */
 
 typedef struct vista_coherent_point {
   int32_t u0, v0; /* first pixel of its tile, at half the size */
@@ -40,12 +44,20 @@ typedef struct vista_estimate {
 
 typedef struct vista_coherence_result {
   int32_t points, asked, found, agreeing; /* of the frame before; that should be seen, are found, agree with the fit */
+  int32_t chosen; /* points of this frame */
   bool fitted; /* whether enough agree for what follows */
   double turn_rad[3], step_m[3]; /* that this frame's pose lacks, in the camera */
   double turn_sigma_rad, step_sigma_m;
   vista_estimate offset_px, velocity_m_s; /* means of the last seconds: of all disparities; that the poses lack */
   double jump_px; /* by which all disparities have changed at once and not back since; 0: by nothing */
+  int32_t late; /* frames: the images show the turns of poses so many frames ago */
 } vista_coherence_result;
+
+/* How the world turned in the camera from one frame to the next, by the poses and by the images. */
+typedef struct vista_coherent_turn {
+  double posed_rad[3], shown_rad[3], sigma_rad;
+  bool shown; /* enough points agree on it */
+} vista_coherent_turn;
 
 typedef struct vista_coherence {
   vista_camera camera;
@@ -57,6 +69,8 @@ typedef struct vista_coherence {
   vista_pose pose;
   int64_t t_ns;
   double jump_px; /* as in the result */
+  int32_t turned; /* frames of those that follow, the newest first */
+  vista_coherent_turn turns[VISTA_COHERENCE_TURNS];
   /* Of what lasts, which are velocity and offset: the inverse of the covariance, and that times the values. */
   double information[VISTA_COHERENCE_LASTING][VISTA_COHERENCE_LASTING], weighted[VISTA_COHERENCE_LASTING];
 } vista_coherence;

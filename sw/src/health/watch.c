@@ -33,7 +33,8 @@
 #define SCATTER_SHARE 0.1 /* of a pose, in the mean of the scatter */
 #define SHOWN_SHARE 0.5
 #define FOUND_SHARE 0.2 /* of the points that should be seen, */
-#define FOUND_BEFORE 0.4 /* after a frame in which more than this were */
+#define FOUND_DROP 0.5 /* after a frame in which twice as many were, */
+#define FOUND_LEAST 0.05 /* or after any */
 #define ASKED_MIN 24
 #define OFFSET_PX 0.5
 #define VELOCITY_M_S 0.2 /* that the poses lack, */
@@ -49,9 +50,9 @@ void vista_watch_layout(vista_watch *w, vista_arena *arena, const vista_camera *
 
 void vista_watch_reset(vista_watch *w) {
   vista_coherence_reset(&w->coherence);
-  w->began = w->posed = w->was_found = w->stuck = false;
+  w->began = w->posed = w->stuck = false;
   w->way = (vista_watched_way){0};
-  w->passed_s = w->noise = 0.0;
+  w->passed_s = w->noise = w->found_share = 0.0;
   w->doubted = w->restarted = w->jumped = w->differed = 0;
 }
 
@@ -145,15 +146,18 @@ static bool is_significant(vista_estimate of, double sigmas, double least) {
 }
 
 static bool moves_otherwise(vista_watch *w, const vista_coherence_result *c, double way_m) {
-  const bool many = c->points >= ASKED_MIN;
-  const bool lost = many && c->found < FOUND_SHARE * c->points && (w->was_found || w->doubted > 0);
-  if (many) w->was_found = c->found > FOUND_BEFORE * c->points;
+  bool lost = false;
+  if (c->asked >= ASKED_MIN && c->chosen >= ASKED_MIN) { /* an image that shows nothing is no image of elsewhere */
+    const double share = (double)c->found / c->asked;
+    lost = share < FOUND_SHARE && (share < FOUND_LEAST || share < FOUND_DROP * w->found_share || w->doubted > 0);
+    w->found_share = share;
+  }
   const double step_m = STEP_M + STEP_SHARE * way_m;
   const bool jumped =
       c->fitted &&
       (is_significant((vista_estimate){vista_norm(c->step_m), c->step_sigma_m}, SIGNIFICANT, step_m) ||
        is_significant((vista_estimate){vista_norm(c->turn_rad), c->turn_sigma_rad}, SIGNIFICANT, TURN_RAD));
-  return lost || jumped;
+  return lost || jumped || c->late != 0;
 }
 
 static bool lacks_something(const vista_coherence_result *c, double speed_m_s) {

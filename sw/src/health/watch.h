@@ -45,7 +45,7 @@ typedef struct vista_watch {
   bool posed;
   vista_pose pose; /* of the pair before */
   vista_watched_way way;
-  bool was_found; /* most points were where the poses said */
+  double found_share; /* of the points, where the poses said, in the newest frame with enough of them */
   double noise; /* of the camera: the most that was seen, which fades */
   bool stuck; /* part of the view was, in the pair before */
   int64_t t_ns;
