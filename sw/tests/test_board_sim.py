@@ -407,7 +407,8 @@ def streamed(folder: Path, settings: dict, frames: int, *options: str) -> tuple[
 
 def test_sensors_that_fail_give_right_frames_or_none(tmp_path: Path) -> None:
     """A third of the moments lack a frame or a part of it on one side. Every other one arrives; none of
-    these does, and each is reported: as lost if a pair had begun, else as refused."""
+    these does, and each is reported: as lost if a pair had begun, else as refused. Which
+    fault a moment has is drawn: in one run of a hundred none is of a kind that is refused."""
     settings = CAMERA_SETTINGS
     file, words = shown_to(tmp_path, settings)
     seed = str(seeded(2423).integers(1 << 30))
@@ -425,7 +426,7 @@ def test_sensors_that_fail_give_right_frames_or_none(tmp_path: Path) -> None:
     seen = [what for moment, what in ill.items() if first <= moment < well[-1]]
     begun = sum(what not in ("missing", "late") for what in seen)
     assert len(seen) > 5 and begun <= lost <= begun + 3  # those behind the last one, and before the first
-    assert left + right >= seen.count("missing") + 2 * seen.count("late") > 0
+    assert left + right >= seen.count("missing") + 2 * seen.count("late")
 
 
 @pytest.mark.parametrize(("levels", "rate_hz"), [(1, 340), (3, 230)])
