@@ -32,7 +32,7 @@ def test_a_flight(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "config",
     [
-        "",
+        pytest.param("", marks=pytest.mark.same_c),
         pytest.param("[stereo]\nrectify_rows = 128\n", marks=pytest.mark.same_c),
         '[stereo]\nsmooth = "binomial3"\nlevels = 2\nlr_max_diff = -1\nprefilter = "none"\n'
         "[host]\nthreads = 2\n",

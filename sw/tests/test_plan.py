@@ -269,6 +269,7 @@ def test_what_flies_across_is_where_it_will_be() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.same_c
 def test_a_fixed_wing_flies_around_and_its_plan_is_a_circle_that_closes() -> None:
     walls = [Wall(120.0, (-8.0, 8.0))]
     goal = goal_of((0.0, 0.0, 400.0), 12.0, (0.0, 0.0, 0.0))

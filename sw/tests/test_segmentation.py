@@ -139,7 +139,9 @@ def random_scene(random: np.random.Generator, changes: dict[str, float]) -> Stag
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("reach", [1, pytest.param(3, marks=pytest.mark.same_c), 1000])
+@pytest.mark.parametrize(
+    "reach", [1, *(pytest.param(reach, marks=pytest.mark.same_c) for reach in (3, 1000))]
+)
 def test_the_labels_are_those_of_minimum_cuts_by_scipy(reach: int) -> None:
     random = seeded(reach)
     regions = taken = shells = ground = below = 0
