@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Properties of vista_levels, inside it, for any pattern of valid and ready: each beat that is taken is offered next, with
 // its start and end; it also goes to the reducer, at the same time, exactly if a smaller level follows; levels of a frame
-// come in order, each with half the size of the one before it, as many as were asked for and are large enough; a frame
+// come in order, each with half the size of the one before it, as many as are to be sent; a frame
 // begins with level 0 and its own size; what waits holds still.
 //
-// Assumed of vista_frame_guard: the size is one the engine takes, and stays until the frame has left; of it and the memory:
-// a frame and a level start where the one before it ended. Then nothing is ever lost.
+// Assumed of vista_frame_guard: the size is one the engine takes, and stays until the frame has left; of vista_pyramid:
+// no level is to be sent that is too small; of the guard and the memory: a frame and a level start where the one before
+// it ended. Then nothing is ever lost, and every level has a size that the engine takes.
 
 logic             f_started = 1'b0;
 logic             f_stepped, f_waited, f_reduce_waited, f_more, f_new, f_follows, f_inside;
@@ -14,20 +15,21 @@ logic [1:0]       f_level, f_held_level;      // of the level that is being take
 logic [ColW:0]    f_width, f_held_width;
 logic [RowW-1:0]  f_height, f_held_height, f_source_height;
 logic [ColW-1:0]  f_source_width;
-logic [2:0]       f_levels, f_source_levels;  // of its frame
+logic [2:0]       f_sent, f_source_sent;  // as its frame had them
 
-assign f_more = (32'(f_level) + 1 < 32'(f_levels)) & (f_level != 2'd3) & (32'(f_width) >= 7) & (32'(f_height) >= 3);
+assign f_more = (f_level != 2'd3) & f_sent[f_level];
 
-// The reference: level, size and number of levels of what is taken.
+// The reference: level and size of what is taken.
 assign f_level  = level_q;
 assign f_width  = (ColW + 1)'(32'(end_col) + 1);
 assign f_height = RowW'(32'(end_row) + 1);
-assign f_levels = levels;
 
 logic [1:0]      f_last_level;   // as they were at the end of the level before
 logic [ColW:0]   f_last_width;
 logic [RowW-1:0] f_last_height;
-logic [2:0]      f_last_levels;
+logic [2:0]      f_sent_q, f_last_sent;
+
+assign f_sent = first_q ? sent_i : f_sent_q;
 
 always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
@@ -42,7 +44,8 @@ always_ff @(posedge clk_i) begin
   f_reduce_held   <= {reduce_sof_o, reduce_eol_o, reduce_data_o};
   f_source_width  <= last_col_i;
   f_source_height <= last_row_i;
-  f_source_levels <= levels_i;
+  f_source_sent   <= sent_i;
+  f_sent_q        <= f_sent;
   if (step) f_inside <= ~level_end;
   f_new <= step & level_end;
   f_follows <= f_more;
@@ -50,7 +53,7 @@ always_ff @(posedge clk_i) begin
     f_last_level  <= f_level;
     f_last_width  <= f_width;
     f_last_height <= f_height;
-    f_last_levels <= f_levels;
+    f_last_sent   <= f_sent;
   end
   if (!rst_ni) begin
     f_stepped <= 1'b0;
@@ -87,13 +90,14 @@ always_comb begin
     if (source_valid_i || (first_q && f_inside)) begin
       assume (32'(last_col_i) >= MinWidth - 1 && 32'(last_col_i) < MaxWidth);
       assume (32'(last_row_i) >= MinHeight - 1 && last_row_i != '1);
-      assume (more_i == (levels_i > 3'd1 && 32'(last_col_i) >= 6 && 32'(last_row_i) >= 2));
+      for (int unsigned k = 0; k < 3; k++)
+        assume (!sent_i[k] || (32'(last_col_i) >> k >= 2 * MinWidth - 2 && 32'(last_row_i) >> k >= 2 * MinHeight - 2));
     end
     if (first_q && f_inside)
-      assume (last_col_i == f_source_width && last_row_i == f_source_height && levels_i == f_source_levels);
+      assume (last_col_i == f_source_width && last_row_i == f_source_height && sent_i == f_source_sent);
     if (f_source_held) begin
       assume (source_valid_i && {source_eol_i, source_data_i} == f_source_beat);
-      assume (last_col_i == f_source_width && last_row_i == f_source_height && levels_i == f_source_levels);
+      assume (last_col_i == f_source_width && last_row_i == f_source_height && sent_i == f_source_sent);
     end
     if (f_fetch_held) assume (fetch_valid_i && {fetch_eol_i, fetch_data_i} == f_fetch_beat);
 
@@ -122,7 +126,7 @@ always_comb begin
     // Levels.
     assert (level_sof == !f_inside);
     if (f_new && f_follows) begin
-      assert (f_level == f_last_level + 2'd1 && f_levels == f_last_levels);
+      assert (f_level == f_last_level + 2'd1 && f_sent == f_last_sent);
       assert (32'(f_width) == (32'(f_last_width) + 1) / 2 && 32'(f_height) == (32'(f_last_height) + 1) / 2);
     end
     if (f_new && !f_follows) assert (f_level == '0);
@@ -138,6 +142,9 @@ always_comb begin
       assert (col_q <= end_col && row_q <= end_row && last_col_q == (col_q == end_col));
       assert (more == f_more);
     end
-    if (level_q != '0) assert (32'(level_q) < 32'(levels_q));
+    if (level_q != '0) assert (sent_q == f_sent_q >> level_q);
+    for (int unsigned k = 0; k < 3; k++)
+      if (sent[k] && (!first_q || f_inside || source_valid_i))
+        assert (32'(end_col) >> k >= 2 * MinWidth - 2 && 32'(end_row) >> k >= 2 * MinHeight - 2);
   end
 end

@@ -56,6 +56,8 @@ always_comb begin
     if (state_q == StWait) begin
       assert (needed_o == base_q + NumberW'((32'(f_y) + Reach + 1 < 32'(last_row_q)) ? f_y + RowW'(Reach + 1)
                                                                                     : last_row_q));
+      assert (ended_q == (f_y == last_row_q) && end_q == base_q + NumberW'(last_row_q) + 1'b1);
+      assert (free_q == base_q + NumberW'((32'(f_y) + 1 > Reach) ? f_y + 1'b1 - RowW'(Reach) : '0));
     end
     if (row_valid) assert (number_i != needed_o && state_q == StWait);
     if (frame_end) assert (f_y == last_row_q && point_q == last_point_q);

@@ -2,7 +2,7 @@
 // Puts the levels of a frame one after the other: level 0 from the source, each further one from the memory in which the
 // reducer has stored it. A level that is followed by a smaller one also goes to the reducer.
 //
-// A level that the engine would not take, below 4x2 pixels, is not sent, and none after it.
+// Which levels are sent comes with the frame, and moves on by one with each level.
 // Frames come well ended (vista_frame_guard, vista_pixel_writer): whole, or with an end of line in the wrong place. So a
 // level starts where the source or the memory says that it does. If it does not, a bit was upset somewhere, and it is not
 // known any more which level of which frame is where: `lost_o` asks for a reset of all that deals with frames.
@@ -22,8 +22,7 @@ module vista_levels #(
   // Properties of the frame at the source, from its first pixel to its last.
   input  logic [ColW-1:0]      last_col_i,  // W - 1
   input  logic [RowW-1:0]      last_row_i,  // H - 1
-  input  logic                 more_i,      // a smaller level follows
-  input  logic [2:0]           levels_i,    // 1 .. 4
+  input  logic [2:0]           sent_i,      // bit k: level k + 1 is sent
   input  logic [SideWidth-1:0] side_i,
 
   input  logic             source_valid_i,
@@ -63,15 +62,9 @@ module vista_levels #(
 
   import vista_stereo_pkg::*;
 
-  // A level of at least this size is followed by one that is sent.
-  localparam int unsigned FollowedWidth = 2 * MinWidth - 1;
-  localparam int unsigned FollowedHeight = 2 * MinHeight - 1;
-  localparam logic [1:0] LastLevel = 2'd3;
-
   logic [1:0]      level_q;
   logic            first_q;  // level_q is 0
-  logic [2:0]      levels_q;
-  logic            more_q;   // of a level behind the first, as the sizes
+  logic [2:0]      sent_q;   // of a level behind the first, as the sizes: bit k: the level k + 1 after it is sent
   logic [ColW-1:0] end_col_q;
   logic [RowW-1:0] end_row_q;
   logic            last_col_q;  // col_q is that of the end of a line
@@ -79,13 +72,13 @@ module vista_levels #(
   logic [RowW-1:0] row_q;
 
   logic more, valid, step, free, eol, last_row, level_end, level_sof;
-  logic [2:0]      levels;
+  logic [2:0]      sent;
   logic [ColW-1:0] end_col;
   logic [RowW-1:0] end_row;
 
   // The smaller level has ((W + 1) / 2) - 1 = (W - 1) / 2 columns but one.
-  assign levels  = first_q ? levels_i : levels_q;
-  assign more    = first_q ? more_i : more_q;
+  assign sent    = first_q ? sent_i : sent_q;
+  assign more    = sent[0];
   assign end_col = first_q ? last_col_i : end_col_q;
   assign end_row = first_q ? last_row_i : end_row_q;
 
@@ -115,14 +108,12 @@ module vista_levels #(
       last_col_q <= ~level_end & (col_q + 1'b1 == end_col);
       if (level_end) row_q <= '0;
       else if (last_col_q) row_q <= row_q + 1'b1;
-      if (first_q) levels_q <= levels_i;
       if (level_end) begin
         level_q   <= more ? level_q + 1'b1 : '0;
         first_q   <= ~more;
         end_col_q <= end_col >> 1;
         end_row_q <= end_row >> 1;
-        more_q    <= (3'(level_q) + 3'd2 < levels) & (level_q < LastLevel - 2'd1) &
-            (32'(end_col) / 2 + 1 >= FollowedWidth) & (32'(end_row) / 2 + 1 >= FollowedHeight);
+        sent_q    <= sent >> 1;
       end
     end
     lost_o <= step & ((first_q ? source_sof_i : fetch_sof_i) != level_sof);

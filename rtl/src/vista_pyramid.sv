@@ -88,24 +88,25 @@ module vista_pyramid #(
   logic [ColW-1:0] source_last_col;
   logic [ColW:0] reduce_width;
   logic [RowW-1:0] source_last_row, reduce_height;
-  logic [2:0] source_levels;
-  logic more, source_more;
+  logic [2:0] sent, source_sent;  // bit k: level k + 1 is sent
   logic [SideWidth-1:0] source_side;
 
-  // Level 1 is sent.
-  assign more = (levels_i > 3'd1) & ((32'(width_i) + 1) / 2 >= vista_stereo_pkg::MinWidth) &
-      ((32'(height_i) + 1) / 2 >= vista_stereo_pkg::MinHeight);
+  // Level k has W / 2^k columns, rounded up: N or more if W > (N - 1) 2^k. So do its rows.
+  for (genvar k = 1; k < 4; k++) begin : gen_sent
+    assign sent[k-1] = (levels_i > 3'(k)) & (32'(width_i) > (vista_stereo_pkg::MinWidth - 1) << k) &
+        (32'(height_i) > (vista_stereo_pkg::MinHeight - 1) << k);
+  end
 
   vista_frame_guard #(
     .MaxWidth  (MaxWidth),
-    .SideWidth (4 + SideWidth)
+    .SideWidth (3 + SideWidth)
   ) u_guard (
     .clk_i,
     .rst_ni,
     .enable_i,
     .width_i,
     .height_i,
-    .side_i   ({more, levels_i, side_i}),
+    .side_i   ({sent, side_i}),
     .valid_i  (s_axis_tvalid),
     .ready_o  (s_axis_tready),
     .sof_i    (s_axis_tuser),
@@ -118,7 +119,7 @@ module vista_pyramid #(
     .data_o   (source_data),
     .last_col_o (source_last_col),
     .last_row_o (source_last_row),
-    .side_o   ({source_more, source_levels, source_side}),
+    .side_o   ({source_sent, source_side}),
     .frame_start_o,
     .error_early_eol_o,
     .error_late_eol_o,
@@ -148,8 +149,7 @@ module vista_pyramid #(
     .rst_ni,
     .last_col_i      (source_last_col),
     .last_row_i      (source_last_row),
-    .more_i          (source_more),
-    .levels_i        (source_levels),
+    .sent_i          (source_sent),
     .side_i          (source_side),
     .source_valid_i  (source_valid),
     .source_ready_o  (source_ready),

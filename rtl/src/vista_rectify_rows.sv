@@ -96,6 +96,8 @@ module vista_rectify_rows #(
   logic               lower_q;                // the lower one is read now
   logic [1:0]         ahead_q;
   logic [AheadW-1:0]  under_way;
+  logic               ended_q;         // y_q is the last row
+  logic [NumberW-1:0] free_q, end_q;   // the first row that is still needed after row y_q, and the one behind the frame
 
   logic last, last_taken_q, beyond, row_valid, row_ready, there, point, read, row_end, frame_end, segment_take;
   logic [NumberW-1:0] behind, over;
@@ -103,7 +105,7 @@ module vista_rectify_rows #(
   // The row that is needed belongs to the frame that waits.
   assign over   = needed_o - base_i;
   assign beyond = frame_valid_i & ~over[NumberW-1];
-  assign last   = (y_q >= last_row_q) | beyond;
+  assign last   = ended_q | beyond;
 
   // The row that is arriving lies behind the last one needed.
   assign behind    = number_i - needed_o - 1'b1;
@@ -139,6 +141,9 @@ module vista_rectify_rows #(
     end
     if (state_q == StNeed) begin
       needed_o <= base_q + NumberW'((32'(last_row_q - y_q) > Reach + 1) ? y_q + RowW'(Reach + 1) : last_row_q);
+      ended_q  <= (y_q >= last_row_q);
+      free_q   <= base_q + NumberW'((32'(y_q) + 1 > Reach) ? y_q + 1'b1 - RowW'(Reach) : '0);
+      end_q    <= base_q + NumberW'(last_row_q) + 1'b1;
     end
     if (state_q == StWait) begin
       point_q      <= '0;
@@ -170,8 +175,7 @@ module vista_rectify_rows #(
     .ready_o (row_ready),
     .data_i  ({
       y_q == '0, last, cut_i, y_q, base_q, last_col_q, last_row_q,
-      beyond ? base_i : base_q + (last ? NumberW'(last_row_q) + 1'b1
-                       : NumberW'((32'(y_q) + 1 > Reach) ? y_q + 1'b1 - RowW'(Reach) : '0)), side_q
+      beyond ? base_i : ended_q ? end_q : free_q, side_q
     }),
     .valid_o (row_valid_o),
     .ready_i (row_ready_i),
