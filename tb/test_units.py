@@ -33,6 +33,7 @@ UNITS: list[tuple[str, dict[str, int]]] = [
     ("matching_framer", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 32}),
     ("vista_prefilter", {"MaxWidth": 32}),
     ("vista_line_store", {"Width": 9, "Depth": 40}),
+    ("vista_line_store", {"Width": 9, "Depth": 40, "PieceDepth": 16}),
     ("vista_row_delay", {"Width": 22, "BlockSize": 5, "MaxWidth": 32}),
     ("vista_cost_columns", {"NumDisparities": 16, "BlockSize": 5, "MaxWidth": 32}),
     ("vista_window_sums", {"NumChannels": 3, "BlockSize": 7}),

@@ -71,6 +71,9 @@ always_comb begin
     for (int unsigned i = 0; i < ValueLatency - 1; i++)
       assert (f_pipe[i+1] == (value_valid_q[i] & ~value_first_q[i]));
     assert (segment_valid_q == f_pipe[FLatency-2]);
+    if (f_busy) assert (number_q == base_q + NumberW'(f_y));
+    if (state_q == StNeed) assert (far_q == (32'(last_row_q) > 32'(f_y) + Reach + 1));
+    if (lower_q && state_q == StPoints) assert (far_next_q == (32'(last_row_q) > 32'(f_y) + Reach + 2));
     if (lower_q && state_q == StPoints && point_q != '0) assert (32'(ahead_q) < Ahead);
   end
 end

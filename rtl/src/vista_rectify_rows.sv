@@ -88,7 +88,8 @@ module vista_rectify_rows #(
   state_e state_q;
   logic [ColW-1:0] last_col_q;
   logic [RowW-1:0] last_row_q, y_q;
-  logic [NumberW-1:0] base_q;
+  logic [NumberW-1:0] base_q, number_q;  // of the first row and of row y_q
+  logic far_q, far_next_q;  // behind row y_q, and behind the one after it, are more rows than it may need
   logic on_q, bank_q;
   logic [SideWidth-1:0] side_q;
   logic [PointsW-1:0] last_point_q, point_q;  // the last control point of a row; the one to be read
@@ -132,6 +133,8 @@ module vista_rectify_rows #(
       last_col_q   <= last_col_i;
       last_row_q   <= last_row_i;
       base_q       <= base_i;
+      number_q     <= base_i;
+      far_q        <= (32'(last_row_i) > Reach + 1);
       on_q         <= on_i;
       bank_q       <= bank_i;
       side_q       <= side_i;
@@ -140,9 +143,9 @@ module vista_rectify_rows #(
       last_point_q <= PointsW'(last_point(32'(last_col_i) + 1));
     end
     if (state_q == StNeed) begin
-      needed_o <= base_q + NumberW'((32'(last_row_q - y_q) > Reach + 1) ? y_q + RowW'(Reach + 1) : last_row_q);
+      needed_o <= far_q ? number_q + NumberW'(Reach + 1) : base_q + NumberW'(last_row_q);
       ended_q  <= (y_q >= last_row_q);
-      free_q   <= base_q + NumberW'((32'(y_q) + 1 > Reach) ? y_q + 1'b1 - RowW'(Reach) : '0);
+      free_q   <= (32'(y_q) >= Reach) ? number_q - NumberW'(Reach - 1) : base_q;
       end_q    <= base_q + NumberW'(last_row_q) + 1'b1;
     end
     if (state_q == StWait) begin
@@ -153,9 +156,12 @@ module vista_rectify_rows #(
     if (point) lower_q <= ~lower_q;
     if (read) point_q <= point_q + 1'b1;
     if (row_end) begin
-      y_q <= y_q + 1'b1;
+      y_q      <= y_q + 1'b1;
+      number_q <= number_q + 1'b1;
+      far_q    <= far_next_q;
       if (32'(y_q[StepW-1:0]) == StepPx - 1) upper_addr_q <= upper_addr_q + PointW'(last_point_q) + 1'b1;
     end
+    far_next_q  <= (32'(last_row_q - y_q) > Reach + 2);
     ahead_q     <= 2'(under_way + AheadW'(read & (point_q != '0)) - AheadW'(segment_take));
     frame_end_o <= frame_end;
 

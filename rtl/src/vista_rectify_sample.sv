@@ -56,6 +56,17 @@ module vista_rectify_sample #(
   localparam int unsigned BankDepth = NumRows / 2 * HalfWidth;
   localparam int unsigned AddrW = $clog2(BankDepth);
 
+  // Where a row begins in its bank: a table, since a product of so few bits would be slower.
+  typedef logic [NumRows/2-1:0][AddrW-1:0] starts_t;
+
+  function automatic starts_t starts_of_rows();
+    starts_t starts;
+    for (int unsigned row = 0; row < NumRows / 2; row++) starts[row] = AddrW'(row * HalfWidth);
+    return starts;
+  endfunction
+
+  localparam starts_t RowStart = starts_of_rows();
+
   // 1: the offset of the pixel.
   logic signed [1:0][SumW-1:0] sum_q;
   logic signed [1:0][SlopeW-1:0] slope_q;
@@ -125,7 +136,7 @@ module vista_rectify_sample #(
     row4_q <= base3_q + RingW'(y3_q >> FractionW);
     for (int unsigned r = 0; r < 2; r++) begin
       for (int unsigned c = 0; c < 2; c++) begin
-        addr5_q[r][c] <= AddrW'(32'(row_half[r]) * HalfWidth + 32'(col_half[c]));
+        addr5_q[r][c] <= RowStart[row_half[r]] + AddrW'(col_half[c]);
       end
     end
   end
@@ -139,7 +150,7 @@ module vista_rectify_sample #(
     write_q         <= write_i;
     write_odd_row_q <= write_row_i[0];
     write_odd_col_q <= write_col_i[0];
-    write_addr_q    <= AddrW'(32'(write_row_i[RingW-1:1]) * HalfWidth + 32'(write_col_i[ColW-1:1]));
+    write_addr_q    <= RowStart[write_row_i[RingW-1:1]] + AddrW'(write_col_i[ColW-1:1]);
     write_data_q    <= write_data_i;
   end
 
