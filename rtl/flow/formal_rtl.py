@@ -76,7 +76,7 @@ PROOFS = [
     Proof("vista_pair_sync", 3, "-G SkewW=3", (PACKAGE, "src/vista_pair_sync.sv")),
     Proof("vista_levels", 3, FRONT_END, (PACKAGE, "src/vista_levels.sv")),
     Proof("vista_rectify_map", 3, RECTIFIER, (PACKAGE, RECTIFY_PACKAGE, "src/vista_rectify_map.sv")),
-    Proof("vista_rectify_ring", 3, "-G MaxWidth=1024 -G NumRows=64", ("src/vista_rectify_ring.sv",)),
+    Proof("vista_rectify_ring", 3, "-G NumRows=64", ("src/vista_rectify_ring.sv",)),
     Proof(
         "vista_rectify_rows",
         4,

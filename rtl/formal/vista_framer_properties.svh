@@ -12,7 +12,7 @@ logic [2:0]      f_n, f_in, f_out;  // frames taken, frames that had all of thei
 logic [ColW-1:0] f_w, f_x;  // W - 1 of the frame that is followed; column of the next slot
 logic [RowW-1:0] f_h, f_y;
 logic [SideWidth-1:0] f_side;
-logic            f_follow, f_wrap, f_end, f_taken;
+logic            f_follow, f_wrap, f_end, f_taken, f_last;
 logic [DataW-1:0] f_data;
 
 assign f_follow = (f_out == f_n) & (f_in != f_out);
@@ -41,6 +41,7 @@ always_ff @(posedge clk_i) begin
   end
   f_taken <= valid_i & ready_o & ~drop;
   f_data  <= data_i;
+  f_last  <= active_q & (col_q == width_less_1_q);
   if (!rst_ni) begin
     f_in    <= '0;
     f_out   <= '0;
@@ -79,6 +80,7 @@ always_comb begin
     if (ready_o) assert (valid_i);
     if (valid_i && ready_o && active_q && !fill_q) assert (take && !sof_i);
     if (f_taken) assert (store_valid_o && store_data_o == f_data);
+    if (store_valid_o) assert (store_last_o == f_last);
 
     // What makes these inductive.
     assert (in_first_row_q == (row_q == 0));

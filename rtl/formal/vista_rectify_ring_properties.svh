@@ -2,12 +2,12 @@
 // Properties of vista_rectify_ring, inside it: no pixel is written where a row lies that is still needed, and a row is
 // known to have filler in it if and only if a frame broke before its last pixel.
 //
-// Assumed of the framer, and proved there: a pixel comes only a clock after `go_o` was up, columns follow each other, and
-// a frame has 4 of them at least. Assumed of vista_rectify_rows: rows are freed in order, none before it was written.
+// Assumed of the framer, and proved there: a pixel comes only a clock after `go_o` was up, and a frame begins with the
+// first of the 4 or more pixels of its first row. Assumed of vista_rectify_rows: rows are freed in order, none before it was written.
 
 logic               f_started = 1'b0;
 logic               f_go, f_filler, f_row_end, f_row_filler;
-logic [ColW-1:0]    f_col;    // of the next pixel
+logic               f_first;  // the next pixel is the first of its row
 logic [NumberW-1:0] f_free1;  // a clock ago
 logic [RingW-1:0]   f_row;
 
@@ -15,7 +15,7 @@ always_ff @(posedge clk_i) begin
   if (!rst_ni) f_started <= 1'b1;
   f_go    <= go_o;
   f_free1 <= free_i;
-  if (store_valid_i) f_col <= row_end ? '0 : store_col_i + 1'b1;
+  if (store_valid_i) f_first <= row_end;
   if (frame_start_i) f_filler <= 1'b0;
   if (broken_i) f_filler <= 1'b1;
   f_row_end    <= row_end;
@@ -23,7 +23,7 @@ always_ff @(posedge clk_i) begin
   f_row_filler <= f_filler;
   if (!rst_ni) begin
     f_go      <= 1'b0;
-    f_col     <= '0;
+    f_first   <= 1'b1;
     f_free1   <= '0;
     f_filler  <= 1'b0;
     f_row_end <= 1'b0;
@@ -36,8 +36,8 @@ always_ff @(posedge clk_i) if (f_settled) begin
 `else
 always_comb begin
   if (!f_started) assume (!rst_ni);
-  if (store_valid_i) assume (f_go && store_col_i == f_col);
-  if (frame_start_i) assume (store_valid_i && f_col == '0 && 32'(last_col_i) >= 3);
+  if (store_valid_i) assume (f_go && !(f_first && store_last_i));
+  if (frame_start_i) assume (store_valid_i && f_first);
   assume (free_i - f_free1 <= number_o - f_free1);
 `endif
   if (f_started) begin
@@ -48,9 +48,9 @@ always_comb begin
     // What makes these inductive.
     assert (number_o - f_free1 <= NumberW'(NumRows));
     assert (cut_q == f_filler);
-    assert (begins_q == (f_col == '0));
-    assert (last_col_q >= ColW'(3) && f_col <= last_col_q);
-    if (f_go && f_col == '0) assert (number_o - f_free1 < NumberW'(NumRows));
-    if (f_col != '0) assert (number_o - f_free1 < NumberW'(NumRows));
+    assert (begins_q == f_first);
+    if (room_q) assert (number_o - f_free1 < NumberW'(NumRows));
+    if (more_room_q) assert (number_o - f_free1 < NumberW'(NumRows - 1));
+    if ((f_go && f_first) || !f_first) assert (number_o - f_free1 < NumberW'(NumRows));
   end
 end

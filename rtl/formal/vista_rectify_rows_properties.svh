@@ -73,6 +73,8 @@ always_comb begin
     assert (segment_valid_q == f_pipe[FLatency-2]);
     if (f_busy) assert (number_q == base_q + NumberW'(f_y));
     if (state_q == StNeed) assert (far_q == (32'(last_row_q) > 32'(f_y) + Reach + 1));
+    if (state_q == StWait || state_q == StPoints)
+      assert (32'(far_rows_q) == ((32'(last_row_q) > Reach + 2) ? 32'(last_row_q) - Reach - 2 : 0));
     if (lower_q && state_q == StPoints) assert (far_next_q == (32'(last_row_q) > 32'(f_y) + Reach + 2));
     if (lower_q && state_q == StPoints && point_q != '0) assert (32'(ahead_q) < Ahead);
   end

@@ -45,6 +45,7 @@ module vista_framer #(
 
   output logic             store_valid_o,
   output logic [ColW-1:0]  store_col_o,
+  output logic             store_last_o,  // of its row
   output logic [DataW-1:0] store_data_o,
 
   // The frame being stored, which is that of the slot unless the slot is one of the last row, not the first.
@@ -180,6 +181,7 @@ module vista_framer #(
 
     store_valid_o <= step;
     store_col_o   <= col_q;
+    store_last_o  <= last_col_q;
     store_data_o  <= data_i;
 
     if (!rst_ni) begin

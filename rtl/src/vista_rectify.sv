@@ -142,7 +142,7 @@ module vista_rectify #(
     .busy_o
   );
 
-  logic take_go, store_valid;
+  logic take_go, store_valid, store_last;
   logic [ColW-1:0] store_col;
   logic [DataW-1:0] store_data;
 
@@ -173,6 +173,7 @@ module vista_rectify #(
     .slot_next_col_o (),
     .store_valid_o   (store_valid),
     .store_col_o     (store_col),
+    .store_last_o    (store_last),
     .store_data_o    (store_data),
     .last_col_o      (begun_last_col),
     .last_row_o      (begun_last_row),
@@ -201,24 +202,23 @@ module vista_rectify #(
 
   always_ff @(posedge clk_i) waiting_q <= s_axis_tvalid & ~s_axis_tready & rst_ni;
 
-  logic [NumberW-1:0] number, free_q, needed;
+  logic [NumberW-1:0] number, needed;
+  logic [ReadLatency-1:0][NumberW-1:0] free_delay_q;
   logic frame_room, row_needed_cut;
 
   vista_rectify_ring #(
-    .MaxWidth (MaxWidth),
-    .NumRows  (NumRows)
+    .NumRows(NumRows)
   ) u_ring (
     .clk_i,
     .rst_ni,
     .frame_start_i (frame_start_o),
-    .last_col_i    (begun_last_col),
     .broken_i      (error_early_eol_o | error_late_eol_o | error_early_sof_o),
     .store_valid_i (store_valid),
-    .store_col_i   (store_col),
+    .store_last_i  (store_last),
     .frame_room_i  (frame_room),
     .go_o          (take_go),
     .number_o      (number),
-    .free_i        (free_q),
+    .free_i        (free_delay_q[ReadLatency-1]),
     .row_i         (needed[RingW-1:0]),
     .cut_o         (row_needed_cut)
   );
@@ -307,12 +307,13 @@ module vista_rectify #(
   logic go, loaded_q, lead_q, top_q, fresh_q, start_q, stale, early, step, advance, load, segment_end, row_end;
   logic [StepW-1:0] i_q;
   logic [ColW-1:0]  x_q;
+  logic last_x_q;  // x_q is the last column
 
   assign stale         = start_q & (~lead_q | (row_first & ~top_q));
   assign early         = lead_q & fresh_q & (~start_q | (top_q & ~row_first));
   assign step          = loaded_q & row_valid & go & ~stale;
   assign advance       = step & ~early;
-  assign row_end       = step & (x_q == row_last_col);
+  assign row_end       = step & last_x_q;
   assign segment_end   = (advance & ((32'(i_q) == StepPx - 1) | row_end)) | (loaded_q & row_valid & stale);
   assign load          = segment_valid & (~loaded_q | segment_end);
   assign segment_ready = load;
@@ -330,28 +331,24 @@ module vista_rectify #(
       fresh_q <= 1'b0;
     end
     if (step) begin
-      x_q     <= row_end ? '0 : x_q + 1'b1;
-      start_q <= row_end;
+      x_q      <= row_end ? '0 : x_q + 1'b1;
+      last_x_q <= ~row_end & (x_q + 1'b1 >= row_last_col);
+      start_q  <= row_end;
     end
     if (!rst_ni) begin
       loaded_q <= 1'b0;
       start_q  <= 1'b1;
       x_q      <= '0;
+      last_x_q <= 1'b0;
     end
   end
 
   // Rows are free for writing when the last of their pixels were read; all are if no frame is there.
-  logic [ReadLatency-1:0][NumberW-1:0] free_delay_q;
-
   always_ff @(posedge clk_i) begin
     if (row_end) free_delay_q[0] <= row_free;
     else if (rows_idle & ~frame_valid & ~row_valid) free_delay_q[0] <= number;
     for (int unsigned i = 1; i < ReadLatency; i++) free_delay_q[i] <= free_delay_q[i-1];
-    free_q <= free_delay_q[ReadLatency-1];
-    if (!rst_ni) begin
-      free_delay_q <= '0;
-      free_q       <= '0;
-    end
+    if (!rst_ni) free_delay_q <= '0;
   end
 
   logic map_upset;

@@ -4,12 +4,11 @@
 // Rows are numbered on and on, from frame to frame. A row may begin once the one that lay in its place, NumRows before
 // it, is free. Of each row it is kept whether there is filler in it, which a frame that was cut ends with.
 //
-// Latency: none from a stored pixel to `go_o`, which belongs to the pixel behind it; 1 clock to `number_o`.
+// Latency: none from a stored pixel to `go_o`, which belongs to the pixel behind it; 1 clock to `number_o`, and from
+// `free_i` to `go_o`.
 
 module vista_rectify_ring #(
-  parameter int unsigned MaxWidth = 1024,
   parameter int unsigned NumRows = 64,
-  localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RingW = $clog2(NumRows),
   localparam int unsigned NumberW = RingW + 2
 ) (
@@ -17,10 +16,9 @@ module vista_rectify_ring #(
   input  logic rst_ni,
 
   input  logic            frame_start_i,  // beside the first pixel of a frame
-  input  logic [ColW-1:0] last_col_i,
   input  logic            broken_i,       // the next pixels of the frame are filler
   input  logic            store_valid_i,
-  input  logic [ColW-1:0] store_col_i,
+  input  logic            store_last_i,   // of its row
   input  logic            frame_room_i,   // a frame may begin
   output logic            go_o,           // a further pixel may come
 
@@ -30,20 +28,21 @@ module vista_rectify_ring #(
   output logic               cut_o      // there is filler in its row
 );
 
-  logic [ColW-1:0]    last_col_q;
   logic [NumRows-1:0] cut_rows_q;
-  logic cut_q, begins_q, begins, row_end;
+  logic cut_q, begins_q, begins, row_end, room_q, more_room_q;
   logic [NumberW-1:0] room;
 
-  assign row_end = store_valid_i & (store_col_i == last_col_q);
+  assign row_end = store_valid_i & store_last_i;
   assign begins  = store_valid_i ? row_end : begins_q;  // the next pixel begins a row
-  // Rows, with the one that arrives. Less than none there are only after an upset; then the reader has to catch up.
-  assign room    = free_i + NumberW'(NumRows) - number_o;
-  assign go_o    = ~begins | (~room[NumberW-1] & (room > NumberW'(row_end)) & frame_room_i);
+  // Rows that may come, with the one that arrives in the next clock. Less than none there are only after an upset; then
+  // the reader has to catch up.
+  assign room    = free_i + NumberW'(NumRows) - number_o - NumberW'(row_end);
+  assign go_o    = ~begins | ((row_end ? more_room_q : room_q) & frame_room_i);
   assign cut_o   = cut_rows_q[row_i];
 
   always_ff @(posedge clk_i) begin
-    if (frame_start_i) last_col_q <= last_col_i;
+    room_q      <= ~room[NumberW-1] & (room != '0);
+    more_room_q <= ~room[NumberW-1] & (room > NumberW'(1));
     if (row_end) begin
       number_o                        <= number_o + 1'b1;
       cut_rows_q[number_o[RingW-1:0]] <= cut_q;
@@ -52,10 +51,11 @@ module vista_rectify_ring #(
     if (frame_start_i) cut_q <= 1'b0;
     if (broken_i) cut_q <= 1'b1;
     if (!rst_ni) begin
-      number_o   <= '0;
-      last_col_q <= '1;
-      cut_q      <= 1'b0;
-      begins_q   <= 1'b1;
+      number_o    <= '0;
+      cut_q       <= 1'b0;
+      begins_q    <= 1'b1;
+      room_q      <= 1'b1;
+      more_room_q <= 1'b1;
     end
   end
 

@@ -89,7 +89,8 @@ module vista_rectify_rows #(
   logic [ColW-1:0] last_col_q;
   logic [RowW-1:0] last_row_q, y_q;
   logic [NumberW-1:0] base_q, number_q;  // of the first row and of row y_q
-  logic far_q, far_next_q;  // behind row y_q, and behind the one after it, are more rows than it may need
+  logic [RowW-1:0] far_rows_q;  // how many rows are followed by one behind which are more rows than it may need
+  logic far_q, far_next_q;  // so it is behind row y_q, and behind the one after it
   logic on_q, bank_q;
   logic [SideWidth-1:0] side_q;
   logic [PointsW-1:0] last_point_q, point_q;  // the last control point of a row; the one to be read
@@ -97,8 +98,8 @@ module vista_rectify_rows #(
   logic               lower_q;                // the lower one is read now
   logic [1:0]         ahead_q;
   logic [AheadW-1:0]  under_way;
-  logic               ended_q;         // y_q is the last row
-  logic [NumberW-1:0] free_q, end_q;   // the first row that is still needed after row y_q, and the one behind the frame
+  logic               ended_q;        // y_q is the last row
+  logic [NumberW-1:0] free_q, end_q;  // the first row that is still needed after row y_q, and the one behind the frame
 
   logic last, last_taken_q, beyond, row_valid, row_ready, there, point, read, row_end, frame_end, segment_take;
   logic [NumberW-1:0] behind, over;
@@ -161,7 +162,8 @@ module vista_rectify_rows #(
       far_q    <= far_next_q;
       if (32'(y_q[StepW-1:0]) == StepPx - 1) upper_addr_q <= upper_addr_q + PointW'(last_point_q) + 1'b1;
     end
-    far_next_q  <= (32'(last_row_q - y_q) > Reach + 2);
+    far_rows_q  <= (32'(last_row_q) > Reach + 2) ? last_row_q - RowW'(Reach + 2) : '0;
+    far_next_q  <= (y_q < far_rows_q);
     ahead_q     <= 2'(under_way + AheadW'(read & (point_q != '0)) - AheadW'(segment_take));
     frame_end_o <= frame_end;
 

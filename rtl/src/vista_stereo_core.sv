@@ -138,6 +138,7 @@ module vista_stereo_core #(
     .slot_next_col_o      (next_col),
     .store_valid_o        (store_valid),
     .store_col_o          (store_col),
+    .store_last_o         (),
     .store_data_o         (store_data),
     .last_col_o           (frame_last_col),
     .last_row_o           (frame_last_row),

@@ -31,6 +31,7 @@ module matching_framer #(
 
   output logic             store_valid_o,
   output logic [ColW-1:0]  store_col_o,
+  output logic             store_last_o,
   output logic [DataW-1:0] store_data_o,
 
   output logic            begin_valid_o,
