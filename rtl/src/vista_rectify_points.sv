@@ -31,7 +31,7 @@ module vista_rectify_points #(
 
   localparam int unsigned DifferenceW = OffsetW + 1;
 
-  logic [2*OffsetW-1:0] point;
+  logic [2*OffsetW-1:0] stored, point;
 
   vista_line_store #(
     .Width (2 * OffsetW),
@@ -44,21 +44,30 @@ module vista_rectify_points #(
     .write_col_i  (write_addr_i),
     .write_data_i,
     .read_col_i   (addr_i),
-    .read_data_o  (point),
+    .read_data_o  (stored),
     .upset_o      (upset_o)
   );
 
+  // Off, points are zeros: before the first map nobody knows what the memory holds.
+  logic on1_q, on2_q;
+
+  always_ff @(posedge clk_i) begin
+    on1_q <= on_i;
+    on2_q <= on1_q;
+  end
+
+  assign point = on2_q ? stored : '0;
+
   // j comes with the lower point's address and is wanted 3 clocks later, beside the difference.
-  logic             on;
   logic [StepW-1:0] j;
 
   vista_delay #(
-    .Width   (StepW + 1),
+    .Width   (StepW),
     .Latency (3)
   ) u_j (
     .clk_i,
-    .data_i ({on_i, j_i}),
-    .data_o ({on, j})
+    .data_i (j_i),
+    .data_o (j)
   );
 
   logic signed [1:0][OffsetW-1:0] upper3_q, upper4_q, upper5_q;
@@ -73,10 +82,6 @@ module vista_rectify_points #(
       product5_q[i] <= (DifferenceW + StepW)'(signed'(difference4_q[i])) * (DifferenceW + StepW)'(signed'({1'b0, j}));
       upper5_q[i]   <= upper4_q[i];
       value_o[i]    <= ValueW'(signed'({upper5_q[i], StepW'(0)})) + ValueW'(signed'(product5_q[i]));
-      if (!on) begin  // nor may what the memory holds be multiplied: before the first map nobody knows what that is
-        product5_q[i] <= '0;
-        upper5_q[i]   <= '0;
-      end
     end
   end
 
