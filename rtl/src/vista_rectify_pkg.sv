@@ -14,7 +14,7 @@ package vista_rectify_pkg;
 
   parameter int unsigned ValueLatency = 6;  // from the address of a control point to its value
   parameter int unsigned ReadLatency = 7;  // from a pixel's offset to the last clock in which the line buffer is read
-  parameter int unsigned SampleLatency = 14;  // from a pixel's offset to its grey value
+  parameter int unsigned SampleLatency = 15;  // from a pixel's offset to its grey value
 
   // How many rows above its own a pixel may be taken from, and one less than how many below.
   function automatic int unsigned reach(int unsigned num_rows);

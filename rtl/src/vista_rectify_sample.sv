@@ -113,7 +113,7 @@ module vista_rectify_sample #(
     base3_q <= base2_q;
   end
 
-  // 4: its row in the line buffer; 5: the addresses in the banks; 6, 7: what they hold.
+  // 4: its row in the line buffer; 5: the addresses in the banks; 6 to 8: what they hold.
   logic [ColW+FractionW-1:0] x4_q;
   logic [FractionW-1:0] fy4_q;
   logic [RingW-1:0] row4_q, row4_next;
@@ -121,7 +121,7 @@ module vista_rectify_sample #(
   logic [1:0][RingW-2:0] row_half;
   logic [1:0][ColW-1:0] col_half;
   logic [1:0][1:0][AddrW-1:0] addr5_q;  // by the parity of the row, then of the column
-  logic [1:0][1:0][PixelW-1:0] bank7;
+  logic [1:0][1:0][PixelW-1:0] bank7, bank8_q;
 
   assign row4_next   = row4_q + 1'b1;
   assign col4_next   = {1'b0, x4_q[FractionW+:ColW]} + 1'b1;
@@ -173,57 +173,58 @@ module vista_rectify_sample #(
     end
   end
 
-  logic odd_row7, odd_col7;
-  logic [FractionW-1:0] fx7, fy7;
+  logic odd_row8, odd_col8;
+  logic [FractionW-1:0] fx8, fy8;
 
   vista_delay #(
     .Width   (2 + 2 * FractionW),
-    .Latency (3)
+    .Latency (4)
   ) u_place (
     .clk_i,
     .data_i ({row4_q[0], x4_q[FractionW], x4_q[FractionW-1:0], fy4_q}),
-    .data_o ({odd_row7, odd_col7, fx7, fy7})
+    .data_o ({odd_row8, odd_col8, fx8, fy8})
   );
 
-  // 8: the four pixels around the place; 9 to 11: between two of a row; 12 to 14: between the rows. Products may be
+  // 9: the four pixels around the place; 10 to 12: between two of a row; 13 to 15: between the rows. Products may be
   // negative, but no sum is: they have no sign bit of their own.
   localparam int unsigned BlendW = PixelW + FractionW;
 
   logic [1:0] right, below;
-  logic [1:0][PixelW-1:0] left8_q, right8_q, left9_q, left10_q;  // upper row, lower row
-  logic signed [1:0][PixelW:0] difference9_q;
-  logic [1:0][BlendW-1:0] product10_q;
-  logic [1:0][BlendW-1:0] blend11_q;
-  logic signed [BlendW:0] difference12_q;
-  logic [BlendW+FractionW-1:0] product13_q;
-  logic [BlendW-1:0] upper12_q, upper13_q;
-  logic [FractionW-1:0] fx8_q, fx9_q, fy8_q, fy9_q, fy10_q, fy11_q, fy12_q;
+  logic [1:0][PixelW-1:0] left9_q, right9_q, left10_q, left11_q;  // upper row, lower row
+  logic signed [1:0][PixelW:0] difference10_q;
+  logic [1:0][BlendW-1:0] product11_q;
+  logic [1:0][BlendW-1:0] blend12_q;
+  logic signed [BlendW:0] difference13_q;
+  logic [BlendW+FractionW-1:0] product14_q;
+  logic [BlendW-1:0] upper13_q, upper14_q;
+  logic [FractionW-1:0] fx9_q, fx10_q, fy9_q, fy10_q, fy11_q, fy12_q, fy13_q;
 
-  assign right = (fx7 == '0) ? {2{odd_col7}} : {odd_col7, ~odd_col7};  // {left, right}: the columns' parities
-  assign below = (fy7 == '0) ? {2{odd_row7}} : {odd_row7, ~odd_row7};  // {upper, lower}
+  assign right = (fx8 == '0) ? {2{odd_col8}} : {odd_col8, ~odd_col8};  // {left, right}: the columns' parities
+  assign below = (fy8 == '0) ? {2{odd_row8}} : {odd_row8, ~odd_row8};  // {upper, lower}
 
   always_ff @(posedge clk_i) begin
-    left8_q  <= {bank7[below[0]][right[1]], bank7[below[1]][right[1]]};
-    right8_q <= {bank7[below[0]][right[0]], bank7[below[1]][right[0]]};
-    fx8_q    <= fx7;
-    fx9_q    <= fx8_q;
-    fy8_q    <= fy7;
-    fy9_q    <= fy8_q;
+    bank8_q  <= bank7;
+    left9_q  <= {bank8_q[below[0]][right[1]], bank8_q[below[1]][right[1]]};
+    right9_q <= {bank8_q[below[0]][right[0]], bank8_q[below[1]][right[0]]};
+    fx9_q    <= fx8;
+    fx10_q   <= fx9_q;
+    fy9_q    <= fy8;
     fy10_q   <= fy9_q;
     fy11_q   <= fy10_q;
     fy12_q   <= fy11_q;
-    left9_q  <= left8_q;
+    fy13_q   <= fy12_q;
     left10_q <= left9_q;
+    left11_q <= left10_q;
     for (int unsigned i = 0; i < 2; i++) begin
-      difference9_q[i] <= (PixelW + 1)'(right8_q[i]) - (PixelW + 1)'(left8_q[i]);
-      product10_q[i]   <= BlendW'(signed'(difference9_q[i])) * BlendW'(fx9_q);
-      blend11_q[i]     <= {left10_q[i], FractionW'(0)} + product10_q[i];
+      difference10_q[i] <= (PixelW + 1)'(right9_q[i]) - (PixelW + 1)'(left9_q[i]);
+      product11_q[i]    <= BlendW'(signed'(difference10_q[i])) * BlendW'(fx10_q);
+      blend12_q[i]      <= {left11_q[i], FractionW'(0)} + product11_q[i];
     end
-    difference12_q <= (BlendW + 1)'(blend11_q[1]) - (BlendW + 1)'(blend11_q[0]);
-    upper12_q      <= blend11_q[0];
-    product13_q    <= (BlendW + FractionW)'(signed'(difference12_q)) * (BlendW + FractionW)'(fy12_q);
-    upper13_q      <= upper12_q;
-    pixel_o        <= PixelW'(({upper13_q, FractionW'(0)} + product13_q + (BlendW + FractionW)'(512))
+    difference13_q <= (BlendW + 1)'(blend12_q[1]) - (BlendW + 1)'(blend12_q[0]);
+    upper13_q      <= blend12_q[0];
+    product14_q    <= (BlendW + FractionW)'(signed'(difference13_q)) * (BlendW + FractionW)'(fy13_q);
+    upper14_q      <= upper13_q;
+    pixel_o        <= PixelW'(({upper14_q, FractionW'(0)} + product14_q + (BlendW + FractionW)'(512))
                               >> (2 * FractionW));
   end
 

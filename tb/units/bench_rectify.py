@@ -35,7 +35,7 @@ BELOW = REACH + 1  # rows that must have come below the one that leaves
 ALONG = ("width_o", "height_o", "side_o")
 IDLE = ("map_begin_i", "map_write_i", "map_commit_i", "keep_map_i")
 LARGEST = 2 * ROWS + 14  # rows of the largest frame
-LATENCY = 33  # from the last pixel of the rows that are needed to the first of the row
+LATENCY = 34  # from the last pixel of the rows that are needed to the first of the row
 VERDICTS = ("map_accepted_o", "map_refused_rows_o", "map_refused_size_o")
 # Offered and taken, of what a clock may; the larger build differs in its buffers, not in its handshakes.
 RATES = [(1.0, 1.0), (1.0, 0.4), (0.4, 1.0), (0.4, 0.4)] if ROWS == 16 else [(1.0, 0.4)]

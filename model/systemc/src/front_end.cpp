@@ -7,12 +7,12 @@ namespace {
 
 // doc/rtl.md, "Front end": clocks from the last row that a row needs to its first pixel, before each smaller level, and
 // from the last pixel that smoothing needs, when it enters the pyramid, to the smoothed one.
-constexpr int64_t kRowClocks = 33, kLevelClocks = 16, kPyramidClocks = 2, kSmoothClocks = 9 + kPyramidClocks;
+constexpr int64_t kRowClocks = 34, kLevelClocks = 16, kPyramidClocks = 2, kSmoothClocks = 9 + kPyramidClocks;
 constexpr int64_t kSmoothAhead = 2;
 constexpr int64_t kSlack = 8;  // pixels that registers hold
 // Of these clocks, those from the reading of a pixel to the pixel; pixels that may be read ahead; from the reading of a
 // row to that of the one after the next, beside its width; and for each column of control points of a row, and beside.
-constexpr int64_t kSampleClocks = 10, kReadAhead = 28, kRowsApart = 13, kPointClocks = 2;
+constexpr int64_t kSampleClocks = 11, kReadAhead = 28, kRowsApart = 13, kPointClocks = 2;
 constexpr int64_t kStepPx = 16;
 
 }  // namespace
