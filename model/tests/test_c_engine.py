@@ -7,7 +7,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
-from vista_model import INVALID, NO_COST, Parameters, compute_with_smin
+from vista_model import INVALID, NO_COST, Parameters, compute_all
 from vista_model.c_engine import CEngine, aligned_bytes, c_params, isas, library
 
 pytestmark = pytest.mark.native
@@ -16,12 +16,15 @@ _VECTOR_EDGES = [1, 15, 16, 17, 31, 32, 33, 47, 63, 64, 65]
 
 
 def _assert_as_reference(left, right, parameters):
-    words, smin = compute_with_smin(left, right, parameters)
+    wanted = compute_all(left, right, parameters)
     for isa in isas():
-        c_words, c_smin = CEngine(parameters, isa).compute(left, right)
-        message = f"{isa} {parameters} {left.shape}"
-        np.testing.assert_array_equal(c_words, words, message)
-        np.testing.assert_array_equal(c_smin, smin, message)
+        found = CEngine(parameters, isa).compute_all(left, right)
+        for name, of_reference, of_c in zip(wanted._fields, wanted, found, strict=True):
+            np.testing.assert_array_equal(of_c, of_reference, f"{name} {isa} {parameters} {left.shape}")
+        for with_confidence, without in zip(
+            found, CEngine(parameters, isa).compute(left, right), strict=False
+        ):
+            np.testing.assert_array_equal(without, with_confidence, f"{isa} without confidence")
 
 
 def _opencv(left, right, parameters):
@@ -123,9 +126,9 @@ def test_bands_give_the_words_of_the_whole(rng, random_pair, random_parameters, 
         parameters = random_parameters(num_disparities=48)
         height = int(rng.integers(1, 70))
         left, right = random_pair(height, 130)
-        whole = CEngine(parameters, isa).compute(left, right)
+        whole = CEngine(parameters, isa).compute_all(left, right)
         cuts = [0, *sorted(rng.integers(0, height + 1, 3).tolist()), height]
-        bands = [CEngine(parameters, isa).compute(left, right, rows) for rows in pairwise(cuts)]
+        bands = [CEngine(parameters, isa).compute_all(left, right, rows) for rows in pairwise(cuts)]
         for of_whole, of_bands in zip(whole, zip(*bands, strict=True), strict=True):
             np.testing.assert_array_equal(of_whole, sum(of_bands))  # rows outside a band stay 0
 
@@ -135,11 +138,14 @@ def test_same_words_on_used_scratch_and_strided_images(rng, random_pair, random_
     parameters = random_parameters(num_disparities=32)
     engine = CEngine(parameters, isa)
     left, right = random_pair(60, 200)
-    first = engine.compute(left, right)
-    engine.compute(*random_pair(60, 200))
+    first = engine.compute_all(left, right)
+    engine.compute_all(*random_pair(60, 200))
     wide = np.zeros((2, 60, 260), np.uint8)
     wide[:, :, 30:230] = left, right
-    for again in (engine.compute(left, right), engine.compute(wide[0, :, 30:230], wide[1, :, 30:230])):
+    for again in (
+        engine.compute_all(left, right),
+        engine.compute_all(wide[0, :, 30:230], wide[1, :, 30:230]),
+    ):
         for a, b in zip(first, again, strict=True):
             np.testing.assert_array_equal(a, b)
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from math import trunc
 
 import numpy as np
 import pytest
-from vista_model import INVALID, NO_COST, Parameters, compute, compute_with_smin, engine
+from vista_model import INVALID, NO_CONFIDENCE, NO_COST, Parameters, compute, compute_all, engine
 
 _D, _BLOCK = 16, 5
 _R = _BLOCK // 2
@@ -59,11 +60,14 @@ def test_texture(pair):
     left = pair[0]
     p = engine.xsobel(left, 31).astype(int)
     parameters = Parameters(_D, _BLOCK, texture_threshold=600)
-    textured = engine.textured(left, parameters)
-    assert textured.any() and not textured.all()
-    for y, x in np.ndindex(textured.shape):
+    texture = engine.texture(left, parameters)
+    for y, x in np.ndindex(texture.shape):
         block = p[y : y + _BLOCK, x + _D - 1 : x + _D - 1 + _BLOCK]
-        assert textured[y, x] == (np.abs(block - 31).sum() >= 600)
+        assert texture[y, x] == np.abs(block - 31).sum()
+    without = compute(*pair, replace(parameters, texture_threshold=0))[_R:-_R, _D - 1 + _R : -_R]
+    words = compute(*pair, parameters)[_R:-_R, _D - 1 + _R : -_R]
+    assert (texture < 600).any() and (words != INVALID).any()
+    np.testing.assert_array_equal(words, np.where(texture < 600, INVALID, without))
 
 
 @pytest.mark.parametrize("ratio", [0, 1, 35, 100])
@@ -101,6 +105,41 @@ def test_subpixel(costs):
         assert words[y, x] == (256 * d + fraction + 15) >> 4
 
 
+@pytest.mark.parametrize("scale", [0, 1, 977])
+def test_confidence(rng, costs, scale):
+    costs = costs * scale  # all of them 0, some 0, or none that a margin is a whole number of
+    costs[:, 0] = costs[:, 0] % 2  # nothing but 0 and 1: no margin, or all there is
+    dL, smin = engine.winner(costs)
+    texture = rng.integers(0, 2 ** rng.integers(0, 15, dL.shape)).astype(np.int32)
+    confidence = engine.confidence(costs, dL, smin, texture)
+    for y, x in np.ndindex(dL.shape):
+        S, least = costs[:, y, x], int(smin[y, x])
+        cost, nearer = min((int(S[d]), -d) for d in range(_D) if abs(d - dL[y, x]) > 1)
+        margin = max(k for k in range(16) if k == 0 or cost > least + Fraction(least * k, 32))
+        distance = (-nearer - int(dL[y, x])) % 256
+        assert confidence[y, x] == distance << 8 | margin << 4 | int(texture[y, x]).bit_length()
+
+
+def test_distances_that_eight_bits_do_not_hold_are_the_nearest_that_they_do():
+    costs = np.full((256, 1, 3), 9, np.int32)
+    for x, (d, rival) in enumerate([(0, 255), (255, 0), (127, 255)]):
+        costs[[d, rival], 0, x] = 1, 2
+    distances = engine.confidence(costs, *engine.winner(costs), np.zeros((1, 3), np.int32)) >> 8
+    assert distances.tolist() == [[127, 128, 127]]
+
+
+@pytest.mark.parametrize("ratio", [25, 50, 75, 100])
+def test_the_margin_tells_which_ratios_of_uniqueness_a_pixel_passes(costs, ratio):
+    """Of the whole percents these are multiples of 1/32; the largest margin stands for 15/32 and more."""
+    dL, smin = engine.winner(costs)
+    margin = engine.confidence(costs, dL, smin, np.zeros_like(dL)) >> 4 & 15
+    unique = engine.unique(costs, dL, smin, ratio)
+    steps = ratio * 32 // 100
+    if steps <= 15:
+        np.testing.assert_array_equal(margin >= steps, unique)
+    assert unique.any() and (margin[unique] == 15).all() == (steps > 15)
+
+
 def test_shifted_image_has_its_shift(rng):
     scene = rng.integers(0, 256, (30, 100), dtype=np.uint8)
     words = compute(scene[:, :80], scene[:, 7:87], Parameters(_D, _BLOCK, lr_max_diff=1))
@@ -111,8 +150,9 @@ def test_shifted_image_has_its_shift(rng):
 
 def test_only_matched_pixels_carry_anything(pair):
     parameters = Parameters(_D, _BLOCK, texture_threshold=0, uniqueness_ratio=0, lr_max_diff=None)
-    words, smin = compute_with_smin(*pair, parameters)
+    words, smin, confidence = compute_all(*pair, parameters)
     matched = np.zeros(words.shape, bool)
     matched[_R:-_R, _D - 1 + _R : -_R] = True
     np.testing.assert_array_equal(words != INVALID, matched)
     np.testing.assert_array_equal(smin != NO_COST, matched)
+    np.testing.assert_array_equal(confidence != NO_CONFIDENCE, matched)

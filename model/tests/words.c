@@ -29,18 +29,22 @@ static int compute(const int32_t head[10]) {
   uint8_t *const images = malloc(2 * pixels);
   int16_t *const words = malloc(pixels * sizeof *words);
   uint32_t *const smin = malloc(pixels * sizeof *smin);
+  uint16_t *const confidence = malloc(pixels * sizeof *confidence);
   void *const scratch = aligned_alloc(64, (scratch_bytes + 63) / 64 * 64);
-  if (images == NULL || words == NULL || smin == NULL || scratch == NULL) return fail("no memory");
+  if (images == NULL || words == NULL || smin == NULL || confidence == NULL || scratch == NULL)
+    return fail("no memory");
   if (fread(images, 1, 2 * pixels, stdin) != 2 * pixels) return fail("cut off");
   const vista_engine_images pair = {images, images + pixels, width, height, width, width};
-  const vista_engine_output output = {words, smin, width, width};
+  const vista_engine_output output = {words, smin, width, width, confidence, width};
   const vista_engine_status status = vista_engine_compute(&params, &pair, &output, scratch, scratch_bytes);
   if (status != VISTA_ENGINE_OK) return fail(vista_engine_status_text(status));
-  const int whole =
-      fwrite(words, sizeof *words, pixels, stdout) == pixels && fwrite(smin, sizeof *smin, pixels, stdout) == pixels;
+  const int whole = fwrite(words, sizeof *words, pixels, stdout) == pixels &&
+                    fwrite(smin, sizeof *smin, pixels, stdout) == pixels &&
+                    fwrite(confidence, sizeof *confidence, pixels, stdout) == pixels;
   free(images);
   free(words);
   free(smin);
+  free(confidence);
   free(scratch);
   return whole ? 0 : fail("stdout");
 }

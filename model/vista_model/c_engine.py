@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from vista_model.engine import Image, Parameters
+from vista_model.engine import Image, Outputs, Parameters
 from vista_model.rectify import Grid
 
 _ROOT = Path(__file__).resolve().parents[2]
@@ -74,6 +74,7 @@ class CEngine:
         disparity: npt.NDArray[np.int16],
         smin: npt.NDArray[np.uint32] | None = None,
         rows: tuple[int, int] | None = None,
+        confidence: npt.NDArray[np.uint16] | None = None,
     ) -> Callable[[], None]:
         """The bare C call on these arrays, which the caller keeps alive. Images may have a row stride."""
         ffi, lib = library()
@@ -88,7 +89,8 @@ class CEngine:
         sides = (pointer("uint8_t", left), pointer("uint8_t", right))
         images = ffi.new("vista_engine_images *", (*sides, width, height, left.strides[0], right.strides[0]))
         results = (pointer("int16_t", disparity), pointer("uint32_t", smin))
-        output = ffi.new("vista_engine_output *", (*results, width, width))
+        strides = (width, width, pointer("uint16_t", confidence), width)
+        output = ffi.new("vista_engine_output *", (*results, *strides))
         scratch = (pointer("uint8_t", self._scratch), len(self._scratch))
 
         def call() -> None:
@@ -108,6 +110,12 @@ class CEngine:
         disparity, smin = np.zeros(left.shape, np.int16), np.zeros(left.shape, np.uint32)
         self.prepare(left, right, disparity, smin, rows)()
         return disparity, smin
+
+    def compute_all(self, left: Image, right: Image, rows: tuple[int, int] | None = None) -> Outputs:
+        """The same with the confidence."""
+        outputs = Outputs(*(np.zeros(left.shape, kind) for kind in (np.int16, np.uint32, np.uint16)))
+        self.prepare(left, right, outputs.words, outputs.smin, rows, outputs.confidence)()
+        return outputs
 
 
 def prepare_smooth(image: Image, out: Image, isa: str = "auto") -> Callable[[], None]:

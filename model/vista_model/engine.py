@@ -7,15 +7,20 @@ over the matched pixels only: x - (D-1+r) and y - r index it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 INVALID = -16  # the word of a pixel without a disparity
 NO_COST = 2**32 - 1  # Smin of a pixel that is not matched
+NO_CONFIDENCE = 2**16 - 1  # the confidence of a pixel that is not matched
+NEAREST_DISTANCE, FARTHEST_DISTANCE = -128, 127  # px, of a rival: those that 8 bits hold
+LARGEST_MARGIN = 15  # in 1/32 of Smin
 
 Image = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int32]
+Words = npt.NDArray[np.int16]
 Mask = npt.NDArray[np.bool_]
 
 
@@ -96,22 +101,24 @@ def winner(S: Ints) -> tuple[Ints, Ints]:
     return last_smallest(S), S.min(axis=0)
 
 
-def textured(left: Image, parameters: Parameters) -> Mask:
+def texture(left: Image, parameters: Parameters) -> Ints:
     """Step 4, over the matched pixels; `left` is the image itself, not prefiltered."""
     c = parameters.prefilter_cap
     strength = np.abs(xsobel(left, c).astype(np.int32) - c)
-    matched = strength[:, parameters.num_disparities - 1 :]
-    return block_sums(matched, parameters.block_size) >= parameters.texture_threshold
+    return block_sums(strength[:, parameters.num_disparities - 1 :], parameters.block_size)
+
+
+def away(S: Ints, dL: Ints) -> Mask:
+    """Marks the candidates that are neither the winner nor beside it."""
+    return np.abs(np.arange(len(S), dtype=np.int32)[:, None, None] - dL) > 1
 
 
 def unique(S: Ints, dL: Ints, smin: Ints, ratio: int) -> Mask:
     """Step 5: no d away from the winner comes close to it."""
     if ratio == 0:
         return np.ones(dL.shape, np.bool_)
-    d = np.arange(len(S), dtype=np.int32)[:, None, None]
-    away = np.abs(d - dL) > 1
     close = smin + smin * ratio // 100 >= S
-    return ~np.any(away & close, axis=0)
+    return ~np.any(away(S, dL) & close, axis=0)
 
 
 def right_winner(S: Ints) -> Ints:
@@ -135,7 +142,7 @@ def consistent(dL: Ints, dR: Ints, num_disparities: int, lr_max_diff: int | None
     return np.abs(dL - np.take_along_axis(dR, x - dL, axis=1)) <= lr_max_diff
 
 
-def subpixel(S: Ints, dL: Ints, smin: Ints) -> npt.NDArray[np.int16]:
+def subpixel(S: Ints, dL: Ints, smin: Ints) -> Words:
     """Step 7: the disparity word."""
     D = len(S)
     before = np.where(dL == 0, 1, dL - 1)
@@ -147,19 +154,37 @@ def subpixel(S: Ints, dL: Ints, smin: Ints) -> npt.NDArray[np.int16]:
     return ((256 * dL + np.sign(p - n) * size + 15) >> 4).astype(np.int16)
 
 
-def compute_with_smin(
-    left: Image, right: Image, parameters: Parameters
-) -> tuple[npt.NDArray[np.int16], npt.NDArray[np.uint32]]:
-    """Disparity words, and Smin of every matched pixel whether valid or not (NO_COST elsewhere)."""
+def confidence(S: Ints, dL: Ints, smin: Ints, texture_sums: Ints) -> npt.NDArray[np.uint16]:
+    """Step 8: distance of the rival, its margin and the bits of the texture."""
+    d2, cost = winner(np.where(away(S, dL), S, np.iinfo(np.int32).max))
+    distance = np.clip(d2 - dL, NEAREST_DISTANCE, FARTHEST_DISTANCE)
+    passed = np.arange(1, LARGEST_MARGIN + 1)[:, None, None] * smin < 32 * (cost - smin)
+    bits = np.frexp(texture_sums)[1]  # 0 of 0
+    return (distance << 8 & 0xFF00 | np.count_nonzero(passed, axis=0) << 4 | bits).astype(np.uint16)
+
+
+class Outputs(NamedTuple):
+    """What the engine gives of a pair, by pixel."""
+
+    words: Words
+    smin: npt.NDArray[np.uint32]
+    confidence: npt.NDArray[np.uint16]
+
+
+def compute_all(left: Image, right: Image, parameters: Parameters) -> Outputs:
+    """Disparity words; Smin and confidence of every matched pixel whether valid or not."""
     if left.shape != right.shape or left.ndim != 2 or left.dtype != np.uint8 or right.dtype != np.uint8:
         raise ValueError("left and right must be uint8 images of the same height and width")
     height, width = left.shape
     D, r = parameters.num_disparities, parameters.radius
-    words = np.full((height, width), INVALID, np.int16)
-    confidence = np.full((height, width), NO_COST, np.uint32)
+    outputs = Outputs(
+        np.full((height, width), INVALID, np.int16),
+        np.full((height, width), NO_COST, np.uint32),
+        np.full((height, width), NO_CONFIDENCE, np.uint16),
+    )
     matched = np.s_[r : height - r, D - 1 + r : width - r]
     if height < 2 * r + 1 or width < D + 2 * r:
-        return words, confidence
+        return outputs
 
     filtered_left, filtered_right = (
         xsobel(image, parameters.prefilter_cap) if parameters.prefilter == "xsobel" else image
@@ -167,16 +192,25 @@ def compute_with_smin(
     )
     S = costs(filtered_left, filtered_right, parameters)
     dL, smin = winner(S)
+    texture_sums = texture(left, parameters)
     valid = (
-        textured(left, parameters)
+        (texture_sums >= parameters.texture_threshold)
         & unique(S, dL, smin, parameters.uniqueness_ratio)
         & consistent(dL, right_winner(S), D, parameters.lr_max_diff)
     )
-    words[matched] = np.where(valid, subpixel(S, dL, smin), INVALID)
-    confidence[matched] = smin
-    return words, confidence
+    outputs.words[matched] = np.where(valid, subpixel(S, dL, smin), INVALID)
+    outputs.smin[matched] = smin
+    outputs.confidence[matched] = confidence(S, dL, smin, texture_sums)
+    return outputs
 
 
-def compute(left: Image, right: Image, parameters: Parameters) -> npt.NDArray[np.int16]:
+def compute_with_smin(
+    left: Image, right: Image, parameters: Parameters
+) -> tuple[Words, npt.NDArray[np.uint32]]:
+    """Disparity words, and Smin of every matched pixel whether valid or not (NO_COST elsewhere)."""
+    return compute_all(left, right, parameters)[:2]
+
+
+def compute(left: Image, right: Image, parameters: Parameters) -> Words:
     """Disparity words of the left image."""
-    return compute_with_smin(left, right, parameters)[0]
+    return compute_all(left, right, parameters).words

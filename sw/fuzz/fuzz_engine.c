@@ -45,7 +45,7 @@ static void draw(fuzz_input *input, uint8_t *pixels, const vista_engine_images *
   }
 }
 
-static void compute(const frame *f, int32_t isa, int32_t bands, int16_t *words, uint32_t *smin) {
+static void compute(const frame *f, int32_t isa, int32_t bands, int16_t *words, uint32_t *smin, uint16_t *confidence) {
   vista_engine_params params = f->params;
   params.isa = isa;
   const int32_t width = f->images.width, height = f->images.height;
@@ -53,7 +53,7 @@ static void compute(const frame *f, int32_t isa, int32_t bands, int16_t *words, 
   if (bytes == 0) abort();
   void *const scratch = aligned_alloc(64, bytes);
   if (scratch == NULL || bytes % 64 != 0) abort();
-  const vista_engine_output output = {words, smin, width, width};
+  const vista_engine_output output = {words, smin, width, width, confidence, width};
   for (int32_t band = 0; band < bands; ++band) {
     const int32_t first = height * band / bands, end = height * (band + 1) / bands;
     if (vista_engine_compute_rows(&params, &f->images, &output, first, end, scratch, bytes) != VISTA_ENGINE_OK) abort();
@@ -68,15 +68,22 @@ static void compare(const frame *f, int32_t bands) {
                                                                           fuzz_allocate(pixels * sizeof *words);
   uint32_t *const expected_smin = fuzz_allocate(pixels * sizeof *expected_smin), *const smin = fuzz_allocate(
                                                                                      pixels * sizeof *smin);
-  compute(f, VISTA_ENGINE_ISA_PORTABLE, 1, expected, expected_smin);
+  uint16_t *const expected_confidence = fuzz_allocate(pixels * sizeof *expected_confidence);
+  uint16_t *const confidence = fuzz_allocate(pixels * sizeof *confidence);
+  compute(f, VISTA_ENGINE_ISA_PORTABLE, 1, expected, expected_smin, expected_confidence);
   for (int32_t isa = VISTA_ENGINE_ISA_PORTABLE; isa <= VISTA_ENGINE_ISA_AVX512; ++isa) {
     if (!vista_engine_isa_available((vista_engine_isa)isa)) continue;
     memset(words, 0x5a, pixels * sizeof *words);
     memset(smin, 0x5a, pixels * sizeof *smin);
-    compute(f, isa, bands, words, smin);
-    if (memcmp(words, expected, pixels * sizeof *words) != 0 || memcmp(smin, expected_smin, pixels * sizeof *smin) != 0)
+    memset(confidence, 0x5a, pixels * sizeof *confidence);
+    compute(f, isa, bands, words, smin, confidence);
+    if (memcmp(words, expected, pixels * sizeof *words) != 0 ||
+        memcmp(smin, expected_smin, pixels * sizeof *smin) != 0 ||
+        memcmp(confidence, expected_confidence, pixels * sizeof *confidence) != 0)
       abort();
   }
+  free(confidence);
+  free(expected_confidence);
   free(smin);
   free(expected_smin);
   free(words);
@@ -88,7 +95,7 @@ static void compare(const frame *f, int32_t bands) {
 static void try_anything(fuzz_input *input, frame f, int16_t *words) {
   const uint8_t change = fuzz_byte(input);
   const int32_t width = f.images.width, height = f.images.height;
-  vista_engine_output output = {words, NULL, width, 0};
+  vista_engine_output output = {.disparity = words, .disparity_stride = width};
   int32_t first = 0, end = height;
   size_t bytes = vista_engine_scratch_bytes(&f.params, width, height, 1);
   void *const scratch = aligned_alloc(64, bytes + 64);

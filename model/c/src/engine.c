@@ -17,7 +17,7 @@ typedef struct band {
   uint16_t *columns, *texture_columns, *texture;
   uint32_t *work;
   uint8_t *valid;
-  vista_winner_row winner;
+  vista_winner_row winner; /* with room for rivals, wanted or not */
 } band;
 
 typedef struct layout {
@@ -62,6 +62,8 @@ static size_t lay_out(band *b, void *memory, const vista_engine_params *params, 
   b->winner.unique = take_row(&at, width, sizeof *b->winner.unique);
   b->winner.best = take_row(&at, width, sizeof *b->winner.best);
   b->winner.right_best = take_row(&at, width, sizeof *b->winner.right_best);
+  b->winner.rival = take_row(&at, width, sizeof *b->winner.rival);
+  b->winner.rival_cost = take_row(&at, width, sizeof *b->winner.rival_cost);
   return at.used;
 }
 
@@ -82,7 +84,7 @@ static uint8_t *ring_row(uint8_t *ring, const vista_engine_params *params, int32
 }
 
 static void enter_row(const band *b, const vista_row_code *code, const vista_engine_params *params,
-                      const vista_engine_images *images, int32_t y) {
+                      const vista_engine_images *images, int32_t textured, int32_t y) {
   const int32_t width = images->width, height = images->height, cap = params->prefilter_cap;
   const uint8_t *right = images->right + y * images->right_stride;
   if (params->prefilter == VISTA_ENGINE_PREFILTER_XSOBEL) {
@@ -91,7 +93,7 @@ static void enter_row(const band *b, const vista_row_code *code, const vista_eng
   } else {
     memcpy(ring_row(b->left, params, width, y), images->left + y * images->left_stride, (size_t)width);
   }
-  if (params->prefilter == VISTA_ENGINE_PREFILTER_XSOBEL || params->texture_threshold > 0)
+  if (params->prefilter == VISTA_ENGINE_PREFILTER_XSOBEL || textured)
     filter_row(code, cap, images->left, images->left_stride, width, height, y, ring_row(b->sobel, params, width, y));
   code->mirror(right, width, ring_row(b->right, params, width, y));
 }
@@ -99,9 +101,14 @@ static void enter_row(const band *b, const vista_row_code *code, const vista_eng
 static void fill_row(const vista_engine_output *output, int32_t y, int32_t first, int32_t end) {
   int16_t *disparity = output->disparity + y * output->disparity_stride;
   for (int32_t x = first; x < end; ++x) disparity[x] = VISTA_DISPARITY_INVALID;
-  if (!output->smin) return;
-  uint32_t *smin = output->smin + y * output->smin_stride;
-  for (int32_t x = first; x < end; ++x) smin[x] = VISTA_ENGINE_NO_COST;
+  if (output->smin) {
+    uint32_t *smin = output->smin + y * output->smin_stride;
+    for (int32_t x = first; x < end; ++x) smin[x] = VISTA_ENGINE_NO_COST;
+  }
+  if (output->confidence) {
+    uint16_t *confidence = output->confidence + y * output->confidence_stride;
+    for (int32_t x = first; x < end; ++x) confidence[x] = VISTA_ENGINE_NO_CONFIDENCE;
+  }
 }
 
 static void run_band(band *b, const vista_engine_params *params, const vista_engine_images *images,
@@ -117,7 +124,9 @@ static void run_band(band *b, const vista_engine_params *params, const vista_eng
   }
 
   const int32_t full_range = params->prefilter == VISTA_ENGINE_PREFILTER_NONE;
-  const int32_t textured = params->texture_threshold > 0;
+  const int32_t textured = params->texture_threshold > 0 || output->confidence;
+  vista_winner_row winner = b->winner;
+  if (!output->confidence) winner.rival = NULL;
   vista_match_job match = {
       .width = width,
       .num_disparities = params->num_disparities,
@@ -129,7 +138,7 @@ static void run_band(band *b, const vista_engine_params *params, const vista_eng
       .wide = full_range && params->block_size > VISTA_ROWS_MAX_NARROW_BLOCK,
       .columns = b->columns,
       .work = b->work,
-      .winner = b->winner,
+      .winner = winner,
   };
   vista_finish_job finish = {
       .first = first_x,
@@ -137,7 +146,7 @@ static void run_band(band *b, const vista_engine_params *params, const vista_eng
       .num_disparities = params->num_disparities,
       .texture_threshold = params->texture_threshold,
       .lr_max_diff = params->lr_max_diff,
-      .winner = b->winner,
+      .winner = winner,
       .texture = b->texture,
       .valid = b->valid,
   };
@@ -149,7 +158,7 @@ static void run_band(band *b, const vista_engine_params *params, const vista_eng
   for (int32_t in = first_y - radius; in < end_y + radius; ++in) {
     const int32_t y = in - radius, out = in - params->block_size;
     const int32_t leaves = out >= first_y - radius;
-    enter_row(b, code, params, images, in);
+    enter_row(b, code, params, images, textured, in);
     match.left_in = ring_row(b->left, params, width, in);
     match.right_in = ring_row(b->right, params, width, in);
     match.left_out = leaves ? ring_row(b->left, params, width, out) : b->blank;
@@ -165,6 +174,7 @@ static void run_band(band *b, const vista_engine_params *params, const vista_eng
     if (textured) code->texture_sums(b->texture_columns, width, params->block_size, b->texture);
     code->match(&match);
     finish.disparity = output->disparity + y * output->disparity_stride;
+    if (output->confidence) finish.confidence = output->confidence + y * output->confidence_stride;
     code->finish(&finish);
     fill_row(output, y, 0, first_x);
     fill_row(output, y, end_x, width);
@@ -196,7 +206,7 @@ vista_engine_status vista_engine_compute_rows(const vista_engine_params *params,
   if (!in_range(width, 1, VISTA_ENGINE_MAX_SIDE_PX) || !in_range(height, 1, VISTA_ENGINE_MAX_SIDE_PX))
     return VISTA_ENGINE_ERROR_SIZE;
   if (images->left_stride < width || images->right_stride < width || output->disparity_stride < width ||
-      (output->smin && output->smin_stride < width))
+      (output->smin && output->smin_stride < width) || (output->confidence && output->confidence_stride < width))
     return VISTA_ENGINE_ERROR_STRIDE;
   if (first_row < 0 || first_row > end_row || end_row > height) return VISTA_ENGINE_ERROR_ROWS;
   if ((uintptr_t)scratch % ALIGNMENT != 0 || scratch_bytes < vista_engine_scratch_bytes(params, width, height, 1))

@@ -1,4 +1,4 @@
-/* Steps 2, 3, 5 and 6 in vectors, written once over `group`: LANES costs of 16 bits of one pixel, d rising.
+/* Steps 2, 3, 5 and 6 in vectors, and the rivals of step 8, written once over `group`: LANES costs of 16 bits of one pixel, d rising.
  *
  * The including file defines VISTA_TARGET, VISTA_INLINE, LANES (16 or 32), the type and, with the meaning of their
  * names,
@@ -82,6 +82,30 @@ VISTA_INLINE void pick_winners(const vista_winner_row *winner, const uint16_t *c
   }
 }
 
+/* The rivals of step 8 for the pixels of a strip whose winners are known; hides these and their neighbours in `costs`.
+ * Not inlined: it is seldom wanted, and registers are scarce where it is called. */
+VISTA_TARGET static __attribute__((noinline)) void pick_rivals(const vista_winner_row *winner, uint16_t *costs,
+                                                               int groups, int32_t x) {
+  const int lanes = LANES * groups;
+  uint32_t leasts[STRIP] __attribute__((aligned(32)));
+  strip_masks masks;
+  for (int i = 0; i < STRIP; ++i) {
+    const int best = winner->best[x + i], first = best > 0 ? best - 1 : 0, last = best < lanes - 1 ? best + 1 : best;
+    for (int d = first; d <= last; ++d) costs[i * lanes + d] = 0xFFFF;
+  }
+  for (int i = 0; i < STRIP; i += 8) {
+    const words8 least = smallest_of_8(costs + i * lanes, lanes);
+    store_twice(leasts + i, least);
+    items_store(winner->rival_cost + x + i, items_widen(least));
+  }
+  for (int i = 0; i < STRIP; ++i) {
+    const group all_least = group_fill_pair(leasts[i]);
+    for (int g = 0; g < groups; ++g)
+      masks.equal[g][i] = group_equal(group_load(costs + i * lanes + LANES * g), all_least);
+  }
+  for (int i = 0; i < STRIP; i += 8) store_bytes(winner->rival + x + i, best_of_8(&masks, groups, i));
+}
+
 /* Step 6. Lane d of `cost` and `best` belongs to right pixel x - d: both move up a lane from one x to the next, and a
  * right pixel leaves at the top when all its candidates have come by, d rising. */
 VISTA_INLINE void update_right(const group *sums, int groups, group *cost, group *best) {
@@ -142,7 +166,10 @@ VISTA_INLINE void match_groups(const vista_match_job *job, int groups, int full_
         right_row[x - radius - (lanes - 1)] = (uint8_t)group_top(right_best[groups - 1]);
       }
     }
-    if (first >= complete) pick_winners(&winner, costs, groups, ratio, first - radius);
+    if (first >= complete) {
+      pick_winners(&winner, costs, groups, ratio, first - radius);
+      if (winner.rival) pick_rivals(&winner, costs, groups, first - radius);
+    }
     first = end;
   }
   if (!check) return;

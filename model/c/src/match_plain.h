@@ -1,4 +1,4 @@
-/* Steps 2, 3 and 6 in plain C, for the costs' integer type VISTA_COST; defines VISTA_MATCH_PLAIN. May be included
+/* Steps 2, 3, 5 and 6 in plain C, and the rivals of step 8, for the costs' integer type VISTA_COST; defines VISTA_MATCH_PLAIN. May be included
  * more than once. */
 
 VISTA_TARGET static void VISTA_MATCH_PLAIN(const vista_match_job *job) {
@@ -38,6 +38,17 @@ VISTA_TARGET static void VISTA_MATCH_PLAIN(const vista_match_job *job) {
     job->winner.best[center] = (uint8_t)best;
     job->winner.around[2 * center] = sums[best > 0 ? best - 1 : 0];
     job->winner.around[2 * center + 1] = sums[best < D - 1 ? best + 1 : best];
+    if (job->winner.rival) {
+      VISTA_COST rival_cost = none;
+      for (int32_t d = 0; d < D; ++d) {
+        if (d >= best - 1 && d <= best + 1) continue;
+        if (sums[d] <= rival_cost) {
+          rival_cost = sums[d];
+          job->winner.rival[center] = (uint8_t)d;
+        }
+      }
+      job->winner.rival_cost[center] = rival_cost;
+    }
 
     if (job->check) { /* candidate d of right pixel center - d: its candidates come by rising d */
       VISTA_COST *restrict cost = right_cost + (W - 1 - center);

@@ -100,6 +100,26 @@ VISTA_TARGET static void verdict_row(const vista_finish_job *job) {
   }
 }
 
+/* The largest k of 0 .. 15 with 32 M > k Smin, M being what the rival costs more. */
+VISTA_TARGET static uint32_t margin_of(uint32_t least, uint32_t rival_cost) {
+  const uint32_t more = 32 * (rival_cost - least);
+  if (more == 0) return 0;
+  if (more - 1 >= 15 * least) return 15;
+  return (more - 1) / least;
+}
+
+/* Step 8. */
+VISTA_TARGET static void confidence_row(const vista_finish_job *job) {
+  const vista_winner_row *winner = &job->winner;
+  for (int32_t x = job->first; x < job->end; ++x) {
+    const int32_t far = winner->rival[x] - winner->best[x];
+    const uint32_t distance = (uint32_t)(far < INT8_MIN ? INT8_MIN : far > INT8_MAX ? INT8_MAX : far) & 0xFF;
+    uint32_t bits = 0;
+    while (job->texture[x] >> bits) ++bits;
+    job->confidence[x] = (uint16_t)(distance << 8 | margin_of(winner->cost[x], winner->rival_cost[x]) << 4 | bits);
+  }
+}
+
 VISTA_TARGET static void finish_row(const vista_finish_job *job) {
   subpixel_row(job);
   if (job->lr_max_diff >= 0)
@@ -107,6 +127,7 @@ VISTA_TARGET static void finish_row(const vista_finish_job *job) {
   else
     memset(job->valid + job->first, 1, (size_t)(job->end - job->first));
   verdict_row(job);
+  if (job->confidence) confidence_row(job);
 }
 
 #endif

@@ -24,6 +24,8 @@ typedef struct vista_winner_row { /* indexed by x, valid for the matched x of th
   uint8_t *unique;                /* 1 when the pixel passes step 5, else 0 */
   uint8_t *best;                  /* dL */
   uint8_t *right_best;            /* dR by right x; only with `check` */
+  uint8_t *rival;                 /* the d of step 8; NULL when it is not wanted */
+  uint32_t *rival_cost;           /* its S */
 } vista_winner_row;
 
 typedef struct vista_match_job {
@@ -44,9 +46,10 @@ typedef struct vista_finish_job {
   int32_t num_disparities, texture_threshold;
   int32_t lr_max_diff; /* < 0: off */
   vista_winner_row winner;
-  const uint16_t *texture; /* by x; anything when the threshold is 0 */
+  const uint16_t *texture; /* by x; anything when the threshold is 0 and no confidence is wanted */
   uint8_t *valid;          /* work, by x */
   int16_t *disparity;
+  uint16_t *confidence; /* NULL when it is not wanted */
 } vista_finish_job;
 
 typedef struct vista_row_code {
@@ -64,9 +67,9 @@ typedef struct vista_row_code {
   void (*texture_sums)(const uint16_t *columns, int32_t width, int32_t block_size, uint16_t *sums);
   /* Step 2 for a row that enters while the block is not complete yet. */
   void (*add_row)(const vista_match_job *job);
-  /* Steps 2, 3, 5, 6: the row enters, another leaves, and every matched x gets its winner. */
+  /* Steps 2, 3, 5, 6: the row enters, another leaves, and every matched x gets its winner, and its rival if wanted. */
   void (*match)(const vista_match_job *job);
-  /* Steps 4, 6, 7: verdicts and words of the matched x. */
+  /* Steps 4, 6, 7, 8: verdicts, words and confidence of the matched x. */
   void (*finish)(const vista_finish_job *job);
 } vista_row_code;
 

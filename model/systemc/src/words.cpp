@@ -26,7 +26,7 @@ std::vector<uint32_t> WordEngine::compute(const uint8_t* left, const uint8_t* ri
   size_t room = scratch_.size();
   std::align(kAlignment, scratch_bytes_, scratch, room);
   const vista_engine_images images = {left, right, width_, height_, width_, width_};
-  const vista_engine_output output = {disparity_.data(), smin_.data(), width_, width_};
+  const vista_engine_output output = {disparity_.data(), smin_.data(), width_, width_, nullptr, 0};
   const vista_engine_status status = vista_engine_compute(&parameters_, &images, &output, scratch, scratch_bytes_);
   if (status != VISTA_ENGINE_OK) throw std::runtime_error(vista_engine_status_text(status));
   std::vector<uint32_t> words(disparity_.size());

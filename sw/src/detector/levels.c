@@ -59,7 +59,7 @@ static vista_engine_status match_level(vista_levels *l, int32_t level) {
   const vista_frontend_image sides[2] = {{l->images[0][level], width, height, width},
                                          {l->images[1][level], width, height, width}};
   const vista_engine_images images = {matched(l, 0, &sides[0]), matched(l, 1, &sides[1]), width, height, width, width};
-  const vista_engine_output output = {l->words[level], NULL, width, 0};
+  const vista_engine_output output = {.disparity = l->words[level], .disparity_stride = width};
   vista_engine_status status = vista_engine_compute(&l->engine, &images, &output, l->scratch, l->scratch_bytes);
   for (int side = 0; side < 2 && level + 1 < l->count && status == VISTA_ENGINE_OK; ++side)
     status = /* NOLINTNEXTLINE(clang-analyzer-security.ArrayBound): count is at most the number of places */
@@ -99,7 +99,7 @@ static int64_t compare_rows(vista_levels *l, int32_t level, int32_t row, int64_t
   }
   if (sides[0] == NULL || sides[1] == NULL) return 0;
   const vista_engine_images images = {sides[0], sides[1], width, end - first, width, width};
-  const vista_engine_output output = {l->band, NULL, width, 0};
+  const vista_engine_output output = {.disparity = l->band, .disparity_stride = width};
   const int32_t from = row - first, to = from + CHECKED_ROWS;
   if (vista_engine_compute_rows(&l->engine, &images, &output, from, to, l->scratch, l->scratch_bytes) !=
       VISTA_ENGINE_OK)

@@ -20,6 +20,7 @@
 #define VISTA_ENGINE_MAX_THREADS 256
 #define VISTA_ENGINE_LR_OFF (-1)
 #define VISTA_ENGINE_NO_COST 4294967295u   /* Smin of a pixel that is not matched */
+#define VISTA_ENGINE_NO_CONFIDENCE 65535u  /* confidence of a pixel that is not matched */
 
 VISTA_BEGIN
 
@@ -77,11 +78,15 @@ typedef struct vista_engine_images {
 } vista_engine_images;
 
 /* Every word of the rows asked for is written: the disparity in 1/16 px, VISTA_DISPARITY_INVALID where there is none.
- * smin may be NULL; it is the smallest cost of every matched pixel, valid or not, VISTA_ENGINE_NO_COST elsewhere. */
+ * smin may be NULL; it is the smallest cost of every matched pixel, valid or not, VISTA_ENGINE_NO_COST elsewhere.
+ * confidence may be NULL; it is that of step 8 of every matched pixel, valid or not, VISTA_ENGINE_NO_CONFIDENCE
+ * elsewhere, and takes time only when it is asked for. */
 typedef struct vista_engine_output {
   int16_t *disparity;
   uint32_t *smin;
   ptrdiff_t disparity_stride, smin_stride;
+  uint16_t *confidence;
+  ptrdiff_t confidence_stride;
 } vista_engine_output;
 
 /* The defaults: 32 disparities, block 11, x-Sobel, cap 31, texture 10, uniqueness 15, left/right check 1, ISA auto. */
