@@ -59,6 +59,8 @@ build/rtl/lint.stamp: $(RTL_TOOLS) $(RTL_SOURCES) VERSION rtl/rtl.mk $(wildcard 
 	  for d in "16 5 320" "32 11 1024"; do set -- $$d; \
 	    echo "-GNumDisparities=$$1 -GBlockSize=$$2 -GMaxWidth=$$3 -GFrontEnd=1 --top-module vista_stereo -f rtl/vista_stereo.f"; done; \
 	  echo "-GMaxWidth=320 -GFrontEnd=1 -GParity=1 --top-module vista_stereo -f rtl/vista_stereo.f"; \
+  for d in "16 5" "32 11" "256 21"; do set -- $$d; \
+    echo "-GNumDisparities=$$1 -GBlockSize=$$2 -GConfidence=1 --top-module vista_stereo -f rtl/vista_stereo.f"; done; \
 	  for top in vista_smooth vista_pyramid vista_rectify; do for w in 32 1024; do \
 	    echo "-GMaxWidth=$$w --top-module $$top -f rtl/vista_frontend.f"; done; done; \
 	  echo "--top-module vista_camera_pair -f rtl/vista_camera.f"; } | \
@@ -115,7 +117,7 @@ coverage-rtl: $(RTL_TOOLS) build ## measure line, branch, toggle and functional 
 	@$(RTL_PYTHON) rtl/flow/coverage_front_end.py
 
 mutate: $(RTL_TOOLS) build ## plant MUTANTS random mutants into the core and each block before it, and count those that the benches catch
-	@for of in core smooth rectify pyramid; do $(RTL_PYTHON) rtl/flow/mutate_rtl.py --of $$of --mutants $(MUTANTS) || exit 1; done
+	@for of in core confidence smooth rectify pyramid; do $(RTL_PYTHON) rtl/flow/mutate_rtl.py --of $$of --mutants $(MUTANTS) || exit 1; done
 
 upsets: $(RTL_TOOLS) build ## turn UPSETS random bits of registers and memories of the engine over while it runs, and see how long each lasts; continues where it stopped
 	@$(RTL_PYTHON) rtl/flow/upset_rtl.py --upsets $(UPSETS)

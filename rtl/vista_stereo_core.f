@@ -15,6 +15,7 @@ rtl/src/vista_window_sums.sv
 rtl/src/vista_winner.sv
 rtl/src/vista_uniqueness_bound.sv
 rtl/src/vista_uniqueness.sv
+rtl/src/vista_confidence.sv
 rtl/src/vista_neighbours.sv
 rtl/src/vista_subpixel.sv
 rtl/src/vista_candidate.sv

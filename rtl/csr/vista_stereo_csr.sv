@@ -262,6 +262,10 @@ module vista_stereo_csr (
                 logic next;
                 logic load_next;
             } narrow;
+            struct {
+                logic next;
+                logic load_next;
+            } confidence;
         } OUTPUT;
         struct {
             struct {
@@ -442,6 +446,9 @@ module vista_stereo_csr (
             struct {
                 logic value;
             } narrow;
+            struct {
+                logic value;
+            } confidence;
         } OUTPUT;
         struct {
             struct {
@@ -1010,6 +1017,32 @@ module vista_stereo_csr (
         end
     end
     assign hwif_out.OUTPUT.narrow.value = field_storage.OUTPUT.narrow.value;
+    // Field: vista_stereo_csr.OUTPUT.confidence
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.OUTPUT.confidence.value;
+        load_next_c = '0;
+        if(hwif_in.OUTPUT.confidence.hwclr) begin // HW Clear
+            next_c = '0;
+            load_next_c = '1;
+        end else if(decoded_reg_strb.OUTPUT && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.OUTPUT.confidence.value & ~decoded_wr_biten[1:1]) | (decoded_wr_data[1:1] & decoded_wr_biten[1:1]);
+            load_next_c = '1;
+        end
+        field_combo.OUTPUT.confidence.next = next_c;
+        field_combo.OUTPUT.confidence.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(~rst_n) begin
+            field_storage.OUTPUT.confidence.value <= 1'h0;
+        end else begin
+            if(field_combo.OUTPUT.confidence.load_next) begin
+                field_storage.OUTPUT.confidence.value <= field_combo.OUTPUT.confidence.next;
+            end
+        end
+    end
+    assign hwif_out.OUTPUT.confidence.value = field_storage.OUTPUT.confidence.value;
     // Field: vista_stereo_csr.FRAMES_IN.count
     always_comb begin
         automatic logic [31:0] next_c;
@@ -1484,13 +1517,14 @@ module vista_stereo_csr (
             readback_data_var[31:0] = 32'h56535445;
         end
         if(rd_mux_addr == 7'h4) begin
-            readback_data_var[15:0] = 16'h3;
+            readback_data_var[15:0] = 16'h4;
             readback_data_var[31:16] = 16'h2;
         end
         if(rd_mux_addr == 7'h8) begin
             readback_data_var[8:0] = hwif_in.BUILD.num_disparities.next;
             readback_data_var[20:16] = hwif_in.BUILD.block_size.next;
             readback_data_var[24] = hwif_in.BUILD.parity.next;
+            readback_data_var[25] = hwif_in.BUILD.confidence.next;
         end
         if(rd_mux_addr == 7'hc) begin
             readback_data_var[15:0] = hwif_in.BUILD_SIZE.max_width.next;
@@ -1531,6 +1565,7 @@ module vista_stereo_csr (
         end
         if(rd_mux_addr == 7'h2c) begin
             readback_data_var[0] = field_storage.OUTPUT.narrow.value;
+            readback_data_var[1] = field_storage.OUTPUT.confidence.value;
         end
         if(rd_mux_addr == 7'h30) begin
             readback_data_var[31:0] = field_storage.FRAMES_IN.count.value;

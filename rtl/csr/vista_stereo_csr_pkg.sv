@@ -21,9 +21,14 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__BUILD__parity__in_t;
 
     typedef struct {
+        logic next;
+    } vista_stereo_csr__BUILD__confidence__in_t;
+
+    typedef struct {
         vista_stereo_csr__BUILD__num_disparities__in_t num_disparities;
         vista_stereo_csr__BUILD__block_size__in_t block_size;
         vista_stereo_csr__BUILD__parity__in_t parity;
+        vista_stereo_csr__BUILD__confidence__in_t confidence;
     } vista_stereo_csr__BUILD__in_t;
 
     typedef struct {
@@ -86,6 +91,14 @@ package vista_stereo_csr_pkg;
         vista_stereo_csr__ERRORS__map_size__in_t map_size;
         vista_stereo_csr__ERRORS__upset__in_t upset;
     } vista_stereo_csr__ERRORS__in_t;
+
+    typedef struct {
+        logic hwclr;
+    } vista_stereo_csr__OUTPUT__confidence__in_t;
+
+    typedef struct {
+        vista_stereo_csr__OUTPUT__confidence__in_t confidence;
+    } vista_stereo_csr__OUTPUT__in_t;
 
     typedef struct {
         logic incr;
@@ -170,6 +183,7 @@ package vista_stereo_csr_pkg;
         vista_stereo_csr__BUILD__in_t BUILD;
         vista_stereo_csr__BUILD_SIZE__in_t BUILD_SIZE;
         vista_stereo_csr__ERRORS__in_t ERRORS;
+        vista_stereo_csr__OUTPUT__in_t OUTPUT;
         vista_stereo_csr__FRAMES_IN__in_t FRAMES_IN;
         vista_stereo_csr__FRAMES_OUT__in_t FRAMES_OUT;
         vista_stereo_csr__STALLS_IN__in_t STALLS_IN;
@@ -301,7 +315,12 @@ package vista_stereo_csr_pkg;
     } vista_stereo_csr__OUTPUT__narrow__out_t;
 
     typedef struct {
+        logic value;
+    } vista_stereo_csr__OUTPUT__confidence__out_t;
+
+    typedef struct {
         vista_stereo_csr__OUTPUT__narrow__out_t narrow;
+        vista_stereo_csr__OUTPUT__confidence__out_t confidence;
     } vista_stereo_csr__OUTPUT__out_t;
 
     typedef struct {

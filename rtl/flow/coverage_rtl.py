@@ -25,7 +25,7 @@ from verilated import Config, Pace, Rtl  # noqa: E402
 
 LIMITS = {"line": 95.0, "branch": 90.0, "toggle": 90.0}
 PACES = {"always": Pace(), "often": Pace(300, 300), "bursts": Pace(40, 20)}
-CONFIG = Config(16, 5, 128, coverage=True)
+CONFIG = Config(16, 5, 128, confidence=True, coverage=True)
 WIDTH, HEIGHT = fault_size(CONFIG.num_disparities, CONFIG.block_size)
 
 
@@ -44,7 +44,7 @@ def plan() -> set[tuple[str, ...]]:
     sizes = set(itertools.product(["size"], ["even", "odd"], ["matched", "narrow", "low"]))
     stalls = {("stalls", a, b, e) for a, b in paces for e in ["good", "faulty"]}
     faults = {("fault", f.__name__) for f in FAULTS}
-    formats = set(itertools.product(["format"], ["wide", "narrow"], ["good", "faulty"]))
+    formats = set(itertools.product(["format"], ["wide", "narrow", "confidence"], ["good", "faulty"]))
     return parameters | sizes | stalls | faults | formats
 
 
@@ -57,7 +57,8 @@ def run_frame(rtl: Rtl, seed: int, hit: set[tuple[str, ...]]) -> None:
     if fault:
         frame = Frame(*random_pair(rng, "shifted", HEIGHT, WIDTH), p)
         height, width = HEIGHT, WIDTH
-    frame.narrow = bool(rng.random() < 0.3)
+    words = str(rng.choice(["wide", "narrow", "confidence"], p=[0.4, 0.3, 0.3]))
+    frame.narrow, frame.confidence = words == "narrow", words == "confidence"
     stream = beats(frame.left, frame.right)
     if fault:
         stream = np.concatenate(
@@ -69,12 +70,13 @@ def run_frame(rtl: Rtl, seed: int, hit: set[tuple[str, ...]]) -> None:
         hit.add(("fault", fault.__name__))
     set_up(rtl, frame)
     reaction = react(stream, width, height)
-    expected = [expected_after(received, width, height, p, frame.narrow) for received in reaction.frames]
+    formats = frame.narrow, frame.confidence
+    expected = [expected_after(received, width, height, p, *formats) for received in reaction.frames]
     count = sum(map(len, expected))
     got = rtl.stream(stream, count, PACES[names[0]], PACES[names[1]], seed)
     assert (got.words == np.concatenate(expected)).all(), f"seed {seed}"
     rtl.write(ERRORS, 31)
-    hit.add(("format", "narrow" if frame.narrow else "wide", "faulty" if reaction.errors else "good"))
+    hit.add(("format", words, "faulty" if reaction.errors else "good"))
     hit.add(("stalls", *names, "faulty" if reaction.errors else "good"))
     hit.add(("parameters", p.prefilter, "unique" if p.uniqueness_ratio else "any", lr_bin(p.lr_max_diff)))
     narrow = width < CONFIG.num_disparities + CONFIG.block_size - 1

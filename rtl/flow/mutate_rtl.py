@@ -82,6 +82,7 @@ CORE = Target(
 )
 TARGETS = {
     "core": CORE,
+    "confidence": Target("vista_confidence", (("NumDisparities", 16), ("CostW", 17)), "vista_stereo_core.f"),
     "smooth": Target("vista_smooth", (("MaxWidth", 32), ("SideWidth", 8))),
     "rectify": Target(
         "vista_rectify", (("MaxWidth", 40), ("NumRows", 16), ("MaxPoints", 16), ("SideWidth", 8))

@@ -19,7 +19,7 @@ import statistics
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -54,11 +54,12 @@ class Build:
     device: str  # 25k, 45k, 85k
     speed: int = 6
     seeds: tuple[int, ...] = SEEDS
+    confidence: bool = False
 
     @property
     def folder(self) -> Path:
         name = f"d{self.disparities}_b{self.block}_w{self.width}_{self.device}_s{self.speed}"
-        return ROOT / "build" / "synth" / name
+        return ROOT / "build" / "synth" / (name + "_confidence" * self.confidence)
 
 
 REFERENCE = Build(32, 11, 1024, "25k")
@@ -182,6 +183,7 @@ def synthesise(b: Build) -> Path:
     if net.is_file() and stamp.is_file() and stamp.read_text() == digest():
         return net
     parameters = f"-G NumDisparities={b.disparities} -G BlockSize={b.block} -G MaxWidth={b.width}"
+    parameters += " -G Confidence=1" * b.confidence
     write_netlist(b.folder, "vista_stereo", parameters, sources("vista_stereo.f"))
     stamp.write_text(digest())
     return net
@@ -338,10 +340,18 @@ def main() -> None:
     )
     parser.add_argument("--all", action="store_true", help="make also the builds whose routing takes hours")
     parser.add_argument(
+        "--confidence", action="store_true", help="make the first build with confidence, and nothing else"
+    )
+    parser.add_argument(
         "--blocks", action="store_true", help="make the blocks before the core, and nothing else"
     )
     add_place(parser)
     args = parser.parse_args()
+    if args.confidence:
+        with exit_on_failure():
+            results = make([replace(REFERENCE, confidence=True)], chosen_place(args))
+        print(as_text([record(b, r) for b, r in results.items()]))
+        return
     if args.blocks:
         blocks = [block_record(block) for block in BLOCKS]
         print(as_text(blocks))

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the costs of a pixel to its candidate disparity: winner, uniqueness and sub-pixel (steps 3, 5, 7).
+// From the costs of a pixel to its candidate disparity: winner, uniqueness and sub-pixel (steps 3, 5, 7); with Confidence
+// also distance and margin of its rival (step 8), which are 0 without.
 //
 // The costs go two ways: through the tree of the winner, and through a delay of the time that the winner and the bound
 // of the uniqueness take, after which they are looked at a second time.
@@ -9,9 +10,12 @@
 module vista_candidate #(
   parameter int unsigned NumDisparities = 32,
   parameter int unsigned BlockSize = 11,
+  parameter bit Confidence = 1'b0,
   localparam int unsigned CostW = vista_stereo_pkg::cost_width(BlockSize),
   localparam int unsigned IndexW = $clog2(NumDisparities),
-  localparam int unsigned DisparityW = vista_stereo_pkg::DisparityW
+  localparam int unsigned DisparityW = vista_stereo_pkg::DisparityW,
+  localparam int unsigned DistanceW = vista_stereo_pkg::DistanceW,
+  localparam int unsigned MarginW = vista_stereo_pkg::MarginW
 ) (
   input  logic                                  clk_i,
   input  logic                                  rst_ni,
@@ -20,7 +24,9 @@ module vista_candidate #(
   output logic [IndexW-1:0]                     winner_o,
   output logic [CostW-1:0]                      smin_o,
   output logic                                  rival_o,  // not unique
-  output logic signed [DisparityW-1:0]          disparity_o
+  output logic signed [DisparityW-1:0]          disparity_o,
+  output logic signed [DistanceW-1:0]           distance_o,
+  output logic [MarginW-1:0]                    margin_o
 );
 
   import vista_stereo_pkg::*;
@@ -66,6 +72,7 @@ module vista_candidate #(
   logic [IndexW-1:0] winner_ahead;  // of its costs by one clock
   logic [CostW-1:0] cost_previous, cost_next;
   logic rival;
+  logic [NumDisparities-1:0] near;
 
   vista_delay #(
     .Width   (IndexW),
@@ -84,7 +91,8 @@ module vista_candidate #(
     .disparity_i (winner_ahead),
     .cost_i      (cost),
     .bound_i     (bound),
-    .rival_o     (rival)
+    .rival_o     (rival),
+    .near_o      (near)
   );
 
   vista_neighbours #(
@@ -130,5 +138,25 @@ module vista_candidate #(
     .data_i ({winner_subpixel, smin_subpixel, rival}),
     .data_o ({winner_o, smin_o, rival_o})
   );
+
+  if (Confidence) begin : gen_confidence
+    vista_confidence #(
+      .NumDisparities (NumDisparities),
+      .CostW (CostW)
+    ) u_confidence (
+      .clk_i,
+      .near_i   (near),
+      .cost_i   (cost),
+      .winner_i (winner_subpixel),
+      .smin_i   (smin_subpixel),
+      .distance_o,
+      .margin_o
+    );
+  end else begin : gen_no_confidence
+    logic unused_near;
+    assign unused_near = ^near;
+    assign distance_o  = '0;
+    assign margin_o    = '0;
+  end
 
 endmodule

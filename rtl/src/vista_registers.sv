@@ -13,6 +13,7 @@ module vista_registers #(
   parameter int unsigned NumRows = 0,  // of the rectification; 0: there is no front end
   parameter int unsigned MaxPoints = 0,
   parameter bit Parity = 1'b0,
+  parameter bit Confidence = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW
 ) (
@@ -167,6 +168,7 @@ module vista_registers #(
                                                                                      : from_csr.UNIQUENESS.ratio.value;
       params_o.lr_enable         <= from_csr.LR_CHECK.enable.value;
       params_o.lr_max_diff       <= from_csr.LR_CHECK.max_diff.value;
+      params_o.confidence        <= from_csr.OUTPUT.confidence.value;
       params_o.narrow            <= from_csr.OUTPUT.narrow.value;
     end
     enable_o <= from_csr.CONTROL.enable.value;
@@ -210,6 +212,8 @@ module vista_registers #(
   assign to_csr.BUILD.num_disparities.next        = 9'(NumDisparities);
   assign to_csr.BUILD.block_size.next             = 5'(BlockSize);
   assign to_csr.BUILD.parity.next                 = Parity;
+  assign to_csr.BUILD.confidence.next                 = Confidence;
+  assign to_csr.OUTPUT.confidence.hwclr = ~Confidence;
   assign to_csr.BUILD_SIZE.max_width.next         = 16'(MaxWidth);
   assign to_csr.BUILD_SIZE.max_height.next        = 16'(RowW'('1));
   assign to_csr.BUILD_FRONT_END.rectify_rows.next = 8'(NumRows);

@@ -4,7 +4,8 @@
 //   s_axis  tdata {right[7:0], left[7:0]}, tuser start of frame, tlast end of line, one pixel pair a beat
 //   m_axis  tdata {Smin[15:0], disparity[15:0]}, framed likewise; disparity signed, 1/16 px, -16 invalid;
 //           Smin saturated, 0xFFFF for a pixel that is not matched; in the narrow format {disparity of the pixel to the
-//           right, disparity}, with -16 for the one that a row of odd width lacks
+//           right, disparity}, with -16 for the one that a row of odd width lacks; in that of the confidence, if it is
+//           built, {distance[7:0], margin[3:0], length of the texture[3:0], disparity[15:0]}
 //
 // With FrontEnd raw pairs come in, and each level of a frame leaves as a frame of its own, level 0 first; without it
 // nothing is built of the rectification, the pyramid and the smoothing, and the streams of their buffer rest.
@@ -18,7 +19,8 @@ module vista_stereo #(
   parameter bit          FrontEnd = 1'b0,
   parameter int unsigned NumRows = 64,         // of the line buffer of rectification: 16, 32, 64 or 128
   parameter int unsigned MaxPoints = 2048,     // control points of a camera; rounded up to a power of two
-  parameter bit          Parity = 1'b0         // of memories and of the set in force; see ERRORS.upset
+  parameter bit          Parity = 1'b0,        // of memories and of the set in force; see ERRORS.upset
+  parameter bit          Confidence = 1'b0     // can be had in place of Smin; see OUTPUT.confidence
 ) (
   input  logic clk_i,
   input  logic rst_ni,
@@ -90,7 +92,8 @@ module vista_stereo #(
     .MaxWidth  (MaxWidth),
     .NumRows   (FrontEnd ? NumRows : 0),
     .MaxPoints (FrontEnd ? 2 ** $clog2(MaxPoints) : 0),
-    .Parity    (Parity)
+    .Parity    (Parity),
+    .Confidence(Confidence)
   ) u_registers (
     .clk_i,
     .rst_ni,
@@ -253,7 +256,8 @@ module vista_stereo #(
     .NumDisparities (NumDisparities),
     .BlockSize (BlockSize),
     .MaxWidth (MaxWidth),
-    .Parity   (Parity)
+    .Parity   (Parity),
+    .Confidence (Confidence)
   ) u_core (
     .clk_i,
     .rst_ni            (rst_nq),

@@ -2,7 +2,7 @@
 // The stereo engine without registers: two streams and the parameters of a frame. See doc/design/rtl.md for the picture.
 //
 // Words out: {Smin, sign-extended disparity} of W * H pixels for every frame that was begun, in raster order, or two
-// disparities in a word (vista_word_packer).
+// disparities in a word (vista_word_packer). With Confidence a frame may have that in place of Smin.
 // Latency: the disparity of (x, y) leaves r + 1 rows and r columns after its pixel came, plus a number of clocks that
 // depends on D only (doc/rtl.md).
 
@@ -11,6 +11,7 @@ module vista_stereo_core #(
   parameter int unsigned BlockSize = 11,        // odd, 5 .. 21
   parameter int unsigned MaxWidth = 1024,       // NumDisparities + BlockSize .. 65535
   parameter bit Parity = 1'b0,
+  parameter bit Confidence = 1'b0,
   localparam int unsigned ColW = $clog2(MaxWidth),
   localparam int unsigned RowW = vista_stereo_pkg::HeightW,
   localparam int unsigned PixelW = vista_stereo_pkg::PixelW
@@ -35,7 +36,7 @@ module vista_stereo_core #(
   input  logic        word_ready_i,
   output logic        word_sof_o,
   output logic        word_eol_o,
-  output logic [31:0] word_o,  // {Smin, disparity}, or two disparities
+  output logic [31:0] word_o,  // {Smin or confidence, disparity}, or two disparities
 
   output logic busy_o,  // a pixel of a frame that is to be taken waits
 
@@ -281,9 +282,13 @@ module vista_stereo_core #(
 
   assign textured = (32'(sum[NumDisparities]) >= 32'(params_q.texture_threshold));
 
+  logic signed [DistanceW-1:0] distance;
+  logic [MarginW-1:0]          margin;
+
   vista_candidate #(
     .NumDisparities (NumDisparities),
-    .BlockSize (BlockSize)
+    .BlockSize (BlockSize),
+    .Confidence (Confidence)
   ) u_candidate (
     .clk_i,
     .rst_ni,
@@ -292,20 +297,51 @@ module vista_stereo_core #(
     .winner_o           (winner),
     .smin_o             (smin),
     .rival_o            (rival),
-    .disparity_o        (disparity)
+    .disparity_o        (disparity),
+    .distance_o         (distance),
+    .margin_o           (margin)
   );
 
+  // What goes along with a candidate; with Confidence also the length of its texture.
+  localparam int unsigned CandidateW = 2 + RingW + (Confidence ? LengthW : 0);
+  localparam int unsigned SideW = Confidence ? SminW : CostW;  // of Smin, or of what is in its place
+
   logic unused_since_reset;
+  logic [LengthW-1:0]    texture_length;
+  logic [CandidateW-1:0] candidate_with;
+  logic [SideW-1:0]      candidate_side;
+
+  assign {candidate_valid, candidate_textured, candidate_index} = candidate_with[RingW+1:0];
+
+  if (Confidence) begin : gen_confidence
+    logic [SminW-1:0] saturated;
+
+    always_comb begin
+      texture_length = '0;
+      for (int unsigned i = 0; i < 2 ** LengthW - 1 && i < CostW; i++) begin
+        if (sum[NumDisparities][i]) texture_length = LengthW'(i + 1);
+      end
+    end
+
+    assign saturated      = (32'(smin) > 32'(SminW'('1))) ? '1 : SminW'(smin);
+    assign candidate_side = params_q.confidence ? {distance, margin, candidate_with[CandidateW-1-:LengthW]}
+                                                : saturated;
+  end else begin : gen_no_confidence
+    logic unused_confidence;
+    assign unused_confidence = ^{distance, margin, params_q.confidence};
+    assign texture_length    = '0;
+    assign candidate_side    = smin;
+  end
 
   vista_delay_ring #(
-    .Width   (2 + RingW),
+    .Width   (CandidateW),
     .Latency (candidate_latency(NumDisparities)),
     .Parity  (Parity)
   ) u_candidate_slot (
     .clk_i,
     .rst_ni,
-    .data_i ({match, textured, match_index}),
-    .data_o ({candidate_valid, candidate_textured, candidate_index}),
+    .data_i (CandidateW'({texture_length, match, textured, match_index})),
+    .data_o (candidate_with),
     .since_reset_o (unused_since_reset),
     .upset_o(upset[6])
   );
@@ -335,7 +371,7 @@ module vista_stereo_core #(
 
   vista_lr_check #(
     .NumDisparities (NumDisparities),
-    .CostW (CostW),
+    .CostW (SideW),
     .RingW (RingW),
     .Parity(Parity)
   ) u_lr_check (
@@ -347,7 +383,7 @@ module vista_stereo_core #(
     .candidate_index_i     (candidate_index),
     .candidate_ok_i        (candidate_textured & (~rival | (params_q.uniqueness_ratio == '0))),
     .candidate_winner_i    (winner),
-    .candidate_smin_i      (smin),
+    .candidate_smin_i      (candidate_side),
     .candidate_disparity_i (disparity),
     .slot_valid_i          (slot_valid),
     .slot_index_i          (slot_index),

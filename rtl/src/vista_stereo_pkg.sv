@@ -15,6 +15,9 @@ package vista_stereo_pkg;
   parameter int unsigned MinHeight = 2;  // the mirror of the x-Sobel needs two rows
   parameter int unsigned DisparityW = 13;  // -8 .. 256*16 in 1/16 px, signed
   parameter int unsigned SminW = 16;  // as sent: saturated, all ones for a pixel that is not matched
+  parameter int unsigned DistanceW = 8;  // of a rival in px, signed and saturated
+  parameter int unsigned MarginW = 4;  // of a rival, in 1/32 of Smin, saturated
+  parameter int unsigned LengthW = 4;  // of the binary digits of a texture, at most 21 * 21 * 63
   parameter int signed Invalid = -16;  // the word of a pixel without a disparity
 
   // Run-time parameters. A frame keeps those that were set when its first pixel was taken.
@@ -25,6 +28,7 @@ package vista_stereo_pkg;
     logic [6:0]  uniqueness_ratio;   // 0 .. 100 percent
     logic        lr_enable;
     logic [7:0]  lr_max_diff;
+    logic        confidence;         // in place of Smin, if it is built
     logic        narrow;             // words of two disparities
   } params_t;
 

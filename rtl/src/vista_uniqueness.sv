@@ -13,10 +13,13 @@ module vista_uniqueness #(
   input  logic [IndexW-1:0]                     disparity_i,
   input  logic [NumDisparities-1:0][CostW-1:0]  cost_i,
   input  logic [CostW-1:0]                      bound_i,
-  output logic                                  rival_o
+  output logic                                  rival_o,
+  output logic [NumDisparities-1:0]             near_o  // |d - dL| <= 1, beside the costs
 );
 
   logic [NumDisparities-1:0] near_q, hit_q;
+
+  assign near_o = near_q;
 
   for (genvar d = 0; d < NumDisparities; d++) begin : gen_candidate
     always_ff @(posedge clk_i) begin

@@ -14,7 +14,7 @@ from frames import Frame, expected_words, packed
 from verilated import LAST, USER
 from vista_model.engine import Parameters
 
-NOTHING = 0xFFFFFFF0  # Smin all ones, disparity -16
+NOTHING = 0xFFFFFFF0  # Smin or confidence all ones, disparity -16
 EARLY_EOL, LATE_EOL, EARLY_SOF, LATE_SOF, SIZE = 1, 2, 4, 8, 16  # bits of ERRORS
 
 
@@ -61,13 +61,19 @@ def react(beats: npt.NDArray[np.uint32], width: int, height: int, lost: bool = T
 
 
 def expected_after(
-    received: Received, width: int, height: int, parameters: Parameters, narrow: bool = False
+    received: Received,
+    width: int,
+    height: int,
+    parameters: Parameters,
+    narrow: bool = False,
+    confidence: bool = False,
 ) -> npt.NDArray[np.uint32]:
     """The words of a frame that may have been cut."""
     pixels = np.zeros(width * height, np.uint32)
     pixels[: len(received.pixels)] = received.pixels
     pair = pixels.reshape(height, width)
-    words = expected_words(Frame((pair & 255).astype(np.uint8), (pair >> 8).astype(np.uint8), parameters))
+    left, right = (pair & 255).astype(np.uint8), (pair >> 8).astype(np.uint8)
+    words = expected_words(Frame(left, right, parameters, confidence=confidence))
     if not received.whole:
         radius = parameters.block_size // 2
         y, x = np.divmod(np.arange(width * height), width)

@@ -30,6 +30,7 @@ class Frame:
     right: Image
     parameters: Parameters
     narrow: bool = False  # words of two disparities
+    confidence: bool = False  # in place of Smin; narrow goes before it
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -128,11 +129,13 @@ def beats(left: Image, right: Image) -> npt.NDArray[np.uint32]:
 
 
 def expected_words(frame: Frame) -> npt.NDArray[np.uint32]:
-    """What the engine has to send: {Smin saturated to 16 bits, disparity}, or two disparities in a word."""
-    disparity, smin = CEngine(frame.parameters).compute(frame.left, frame.right)
+    """What the engine has to send: {Smin saturated to 16 bits, disparity}, or two disparities in a word, or
+    {confidence, disparity}."""
+    disparity, smin, confidence = CEngine(frame.parameters).compute_all(frame.left, frame.right)
     if frame.narrow:
         return packed(disparity)
-    return (disparity.view(np.uint16) | np.minimum(smin, 0xFFFF) << 16).astype(np.uint32).ravel()
+    upper = confidence.astype(np.uint32) if frame.confidence else np.minimum(smin, 0xFFFF)
+    return (disparity.view(np.uint16) | upper << 16).astype(np.uint32).ravel()
 
 
 def packed(disparity: npt.NDArray[np.int16]) -> npt.NDArray[np.uint32]:
@@ -158,7 +161,7 @@ def register_values(frame: Frame) -> dict[int, int]:
         TEXTURE: p.texture_threshold,
         UNIQUENESS: p.uniqueness_ratio,
         LR_CHECK: (p.lr_max_diff is not None) | (p.lr_max_diff or 0) << 8,
-        OUTPUT: int(frame.narrow),
+        OUTPUT: frame.narrow | frame.confidence << 1,
         COMMIT: 1,
     }
 
@@ -167,12 +170,14 @@ _PARAMS = struct_fields("params_t")
 PARAMS_BITS = sum(_PARAMS.values())
 
 
-def params_bits(p: Parameters, narrow: bool = False) -> int:
+def params_bits(frame: Frame) -> int:
     """The packed struct params_t."""
+    p = frame.parameters
     values = {
         "xsobel": p.prefilter == "xsobel", "cap": p.prefilter_cap, "texture_threshold": p.texture_threshold,
         "uniqueness_ratio": p.uniqueness_ratio, "lr_enable": p.lr_max_diff is not None,
-        "lr_max_diff": p.lr_max_diff or 0, "narrow": narrow,
+        "lr_max_diff": p.lr_max_diff or 0, "narrow": frame.narrow,
+        "confidence": frame.confidence,
     }  # fmt: skip
     assert len(values) == len(_PARAMS), "params_t has a field that nothing here sets"
     return struct_bits(_PARAMS, values)
@@ -206,4 +211,5 @@ def run_seed(rtl: Rtl, seed: int) -> None:
     c = rtl.config
     frame = random_frame(rng, c.num_disparities, c.block_size, c.max_width)
     frame.narrow = bool(rng.random() < 0.3)
+    frame.confidence = c.confidence and bool(rng.random() < 0.7)
     check(rtl, frame, PACES[rng.integers(len(PACES))], PACES[rng.integers(len(PACES))], seed)

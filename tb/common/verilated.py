@@ -56,6 +56,7 @@ class Config:
     rows: int = 0  # of the line buffer of rectification; 0: the core without front end
     points: int = 64  # control points of a camera, a power of two
     parity: bool = False
+    confidence: bool = False
     coverage: bool = False
     upsets: bool = False  # bits of its registers and memories can be turned over; nothing is asserted
     stand: Stand | None = field(default=None, repr=False)
@@ -64,7 +65,11 @@ class Config:
     @property
     def name(self) -> str:
         kind = (
-            "_parity" * self.parity + "_cov" * self.coverage + "_upsets" * self.upsets + "_waves" * self.waves
+            "_parity" * self.parity
+            + "_confidence" * self.confidence
+            + "_cov" * self.coverage
+            + "_upsets" * self.upsets
+            + "_waves" * self.waves
         )
         kind += f"_{self.stand.name}" if self.stand else ""
         front_end = f"_r{self.rows}_p{self.points}" * bool(self.rows)
@@ -99,7 +104,8 @@ class Cell:
 
 # What random tests draw from.
 CONFIGS = [
-    Config(16, 5), Config(16, 21, 256), Config(32, 9, 96), Config(32, 11), Config(48, 7, 256), Config(64, 11),
+    Config(16, 5), Config(16, 21, 256, confidence=True), Config(32, 9, 96), Config(32, 11),
+    Config(48, 7, 256, confidence=True), Config(64, 11),
 ]  # fmt: skip
 FRONT_END = Config(16, 5, 64, rows=16)
 FRONT_ENDS = [FRONT_END, Config(32, 11, 128, rows=32)]
@@ -135,6 +141,7 @@ def _build(config: Config, files: list[Path], folder: Path) -> None:
         *([] if stand and not stand.has_parameters else [
             f"-GNumDisparities={config.num_disparities}", f"-GBlockSize={config.block_size}",
             f"-GMaxWidth={config.max_width}", f"-GParity={int(config.parity)}",
+            f"-GConfidence={int(config.confidence)}",
         ]),
         *([
             "-GFrontEnd=1", f"-GNumRows={config.rows}", f"-GMaxPoints={config.points}",

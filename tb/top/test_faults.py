@@ -25,7 +25,7 @@ from verilated import Config, Pace, Rtl
 
 pytestmark = pytest.mark.slow
 
-CONFIGS = [Config(16, 5), Config(32, 11), Config(48, 7, 256), Config(64, 11)]
+CONFIGS = [Config(16, 5), Config(32, 11), Config(48, 7, 256, confidence=True), Config(64, 11)]
 CONFIG = CONFIGS[0]  # for what does not depend on the build
 WIDTH, HEIGHT = fault_size(CONFIG.num_disparities, CONFIG.block_size)
 PACES = [Pace(), Pace(300, 300), Pace(60, 30)]
@@ -36,17 +36,21 @@ def name(config: Config) -> str:
 
 
 def stream_and_check(
-    rtl: Rtl, stream: Beats, parameters, seed: int, paces: tuple[Pace, Pace], narrow: bool = False
+    rtl: Rtl, stream: Beats, parameters, seed: int, paces: tuple[Pace, Pace], *format_of_words: bool
 ) -> int:
     width, height = fault_size(rtl.config.num_disparities, rtl.config.block_size)
     reaction = react(stream, width, height)
-    expected = [expected_after(frame, width, height, parameters, narrow) for frame in reaction.frames]
+    expected = [
+        expected_after(frame, width, height, parameters, *format_of_words) for frame in reaction.frames
+    ]
     count = sum(map(len, expected))
     got = rtl.stream(stream, count + 100, *paces, seed)
     assert got.taken == len(stream), "the input hung"
     assert len(got.words) == count
     assert (got.words == np.concatenate(expected)).all()
-    assert (got.flags == np.tile(expected_flags(height, width, narrow), len(reaction.frames))).all()
+    assert (
+        got.flags == np.tile(expected_flags(height, width, *format_of_words[:1]), len(reaction.frames))
+    ).all()
     assert rtl.read(ERRORS) == reaction.errors
     return reaction.errors
 
@@ -87,10 +91,10 @@ def test_random_faults(seed: int, config: Config) -> None:
     streams.append(beats(*random_pair(rng, "shifted", height, width)))
     with Rtl(config, seed + 1) as rtl:
         rtl.write(CONTROL, 1)
-        narrow = seed % 3 == 0
-        set_up(rtl, Frame(*random_pair(rng, "noise", height, width), parameters, narrow))
+        narrow, confidence = seed % 3 == 0, config.confidence and seed % 2 == 1
+        set_up(rtl, Frame(*random_pair(rng, "noise", height, width), parameters, narrow, confidence))
         paces = PACES[rng.integers(3)], PACES[rng.integers(3)]
-        stream_and_check(rtl, np.concatenate(streams), parameters, seed, paces, narrow)
+        stream_and_check(rtl, np.concatenate(streams), parameters, seed, paces, narrow, confidence)
 
 
 def test_every_error_bit_is_reached() -> None:

@@ -9,11 +9,13 @@ from registers import (
     BUILD,
     BUILD_FRONT_END,
     BUILD_SIZE,
+    CONFIDENCE,
     CONTROL,
     ID,
     INTERRUPT,
     MAP,
     MAP_READY,
+    OUTPUT,
     SLVERR,
     STOPPED,
     VERSION,
@@ -23,7 +25,8 @@ from verilated import FRONT_END, Config, Rtl
 
 pytestmark = pytest.mark.slow
 
-CONFIGS = [Config(16, 5), Config(32, 11), FRONT_END]
+WITH_CONFIDENCE = Config(48, 7, 256, confidence=True)
+CONFIGS = [Config(16, 5), Config(32, 11), FRONT_END, WITH_CONFIDENCE]
 BUILD_FIELDS = {BUILD, BUILD_SIZE, BUILD_FRONT_END, MAP}
 
 
@@ -35,7 +38,8 @@ def test_reset_values_and_build(config: Config) -> None:
                 assert rtl.read(address) == sum((f.reset or 0) << f.low for f in fields), name
         assert rtl.read(ID).to_bytes(4, "big") == b"VSTE"
         assert rtl.read(VERSION) >> 16 == 2
-        assert rtl.read(BUILD) == config.num_disparities | config.block_size << 16
+        confidence = CONFIDENCE * config.confidence
+        assert rtl.read(BUILD) == config.num_disparities | config.block_size << 16 | confidence
         assert rtl.read(BUILD_SIZE) == config.max_width | 4095 << 16
         front_end = config.rows | config.points << 8 if config.rows else 0
         assert (rtl.read(BUILD_FRONT_END), rtl.read(MAP)) == (front_end, MAP_READY if front_end else 0)
@@ -43,7 +47,7 @@ def test_reset_values_and_build(config: Config) -> None:
 
 def test_every_field_keeps_what_is_written_and_nothing_else_changes() -> None:
     rng = np.random.default_rng(1)
-    with Rtl(Config(16, 5)) as rtl:
+    with Rtl(WITH_CONFIDENCE) as rtl:
         values = {address: rtl.read(address) for address, _ in registers().values()}
         for name, (address, fields) in registers().items():
             writable = sum(f.mask for f in fields if f.kept and not f.clears and not f.pulse)
@@ -54,6 +58,12 @@ def test_every_field_keeps_what_is_written_and_nothing_else_changes() -> None:
             if address == CONTROL:
                 rtl.write(INTERRUPT, STOPPED)  # told when enable fell
             assert {a: rtl.read(a) for a in values} == values, f"writing {name} changed another register"
+
+
+def test_a_confidence_that_is_not_built_cannot_be_asked_for() -> None:
+    with Rtl(Config(16, 5)) as rtl:
+        rtl.write(OUTPUT, 3)
+        assert rtl.read(OUTPUT) == 1
 
 
 def test_addresses_do_not_overlap() -> None:

@@ -85,11 +85,14 @@ def frames_of_any_size(rng: np.random.Generator, config: Config, count: int) -> 
         height = int(rng.choice(heights, p=[0.15, 0.85]))
         parameters = random_parameters(rng, config.num_disparities, config.block_size)
         narrow = bool(rng.random() < 0.3)
-        frames.append(Frame(*random_pair(rng, "shifted", height, width), parameters, narrow))
+        confidence = config.confidence and bool(rng.integers(2))
+        frames.append(Frame(*random_pair(rng, "shifted", height, width), parameters, narrow, confidence))
     return frames
 
 
-@pytest.mark.parametrize("config", [Config(16, 5), Config(32, 11), Config(64, 11)], ids=name)
+@pytest.mark.parametrize(
+    "config", [Config(16, 5), Config(32, 11), Config(48, 7, 256, confidence=True), Config(64, 11)], ids=name
+)
 @pytest.mark.parametrize("seed", range(20))
 def test_frames_back_to_back_keep_their_own_size_and_parameters(config: Config, seed: int) -> None:
     """The registers of a frame are written while the one before streams, so that it follows at once: without

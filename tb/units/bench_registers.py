@@ -43,7 +43,7 @@ def in_force_of(frame, front_end):
     return {
         "width_o": width,
         "height_o": height,
-        "params_o": params_bits(frame.parameters, frame.narrow),
+        "params_o": params_bits(frame),
         "front_end_o": struct_bits(FRONT_END_FIELDS, front_end),
     }
 
@@ -79,6 +79,7 @@ async def writes_have_taken_effect_with_their_response(dut):
     await FallingEdge(dut.clk_i)
     for _ in range(40):
         frame = random_frame(rng, D, B, MAX_WIDTH)
+        frame.narrow, frame.confidence = map(bool, rng.integers(2, size=2))
         front_end = {
             "rectify": random.randrange(2),
             "levels": random.randrange(1, 5),

@@ -17,6 +17,8 @@ async def rivals_are_found(dut):
     for clock in range(800):
         if clock > LATENCY:  # the first costs come without a winner before them
             assert bool(dut.rival_o.value) == expected[clock - LATENCY]
+        if clock:
+            assert int(dut.near_o.value) == sum(1 << d for d in range(D) if abs(d - winners[clock]) <= 1)
         winner = winners[clock]
         bound = random.randrange(1, (1 << COST_W) - 3)
         costs = [bound + 1 + random.randrange(3) for _ in range(D)]
