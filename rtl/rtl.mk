@@ -59,8 +59,9 @@ build/rtl/lint.stamp: $(RTL_TOOLS) $(RTL_SOURCES) VERSION rtl/rtl.mk $(wildcard 
 	  for d in "16 5 320" "32 11 1024"; do set -- $$d; \
 	    echo "-GNumDisparities=$$1 -GBlockSize=$$2 -GMaxWidth=$$3 -GFrontEnd=1 --top-module vista_stereo -f rtl/vista_stereo.f"; done; \
 	  echo "-GMaxWidth=320 -GFrontEnd=1 -GParity=1 --top-module vista_stereo -f rtl/vista_stereo.f"; \
-  for d in "16 5" "32 11" "256 21"; do set -- $$d; \
-    echo "-GNumDisparities=$$1 -GBlockSize=$$2 -GConfidence=1 --top-module vista_stereo -f rtl/vista_stereo.f"; done; \
+	  for d in "16 5" "32 11" "256 21"; do set -- $$d; \
+	    echo "-GNumDisparities=$$1 -GBlockSize=$$2 -GConfidence=1 --top-module vista_stereo -f rtl/vista_stereo.f"; done; \
+	  echo "-GMaxWidth=320 -GFrontEnd=1 -GConfidence=1 --top-module vista_stereo -f rtl/vista_stereo.f"; \
 	  for top in vista_smooth vista_pyramid vista_rectify; do for w in 32 1024; do \
 	    echo "-GMaxWidth=$$w --top-module $$top -f rtl/vista_frontend.f"; done; done; \
 	  echo "--top-module vista_camera_pair -f rtl/vista_camera.f"; } | \

@@ -165,14 +165,19 @@ module vista_stereo #(
   events_t             core_events;
 
   if (FrontEnd) begin : gen_front_end
+    localparam int unsigned SideW = $bits(params_t) - (Confidence ? 0 : 1);
+
     events_t front_events;
     logic    map_accepted;
+    logic [SideW-1:0] pixel_side;
+
+    assign pixel_params = params_t'($bits(params_t)'(pixel_side));
 
     vista_front_end #(
       .MaxWidth  (MaxWidth),
       .NumRows   (NumRows),
       .MaxPoints (MaxPoints),
-      .SideWidth ($bits(params_t)),
+      .SideWidth (SideW),
       .Parity    (Parity)
     ) u_front_end (
       .clk_i,
@@ -182,7 +187,7 @@ module vista_stereo #(
       .width_i           (width),
       .height_i          (height),
       .front_end_i       (front_end),
-      .side_i            (params),
+      .side_i            (SideW'(params)),
       .map_i             (map_load),
       .map_width_i       (map_width),
       .map_height_i      (map_height),
@@ -210,7 +215,7 @@ module vista_stereo #(
       .m_axis_tlast      (pixel_eol),
       .width_o           (pixel_width),
       .height_o          (pixel_height),
-      .side_o            (pixel_params),
+      .side_o            (pixel_side),
       .busy_o            (busy),
       .lost_o            (lost),
       .events_o          (front_events)
@@ -218,7 +223,7 @@ module vista_stereo #(
 
     // Errors are told of by the front end, which meets them first; a map that is refused is, one that is not needs no telling.
     logic unused_events;
-    assign unused_events = ^{core_busy, core_events, map_accepted};
+    assign unused_events = ^{core_busy, core_events, map_accepted, params.confidence};
 
     always_comb begin
       events           = front_events;

@@ -22,13 +22,13 @@ package vista_stereo_pkg;
 
   // Run-time parameters. A frame keeps those that were set when its first pixel was taken.
   typedef struct packed {
+    logic        confidence;         // in place of Smin; the first, so that a build without it can leave it out
     logic        xsobel;             // 0: plain grey values
     logic [5:0]  cap;                // 1 .. 63
     logic [15:0] texture_threshold;
     logic [6:0]  uniqueness_ratio;   // 0 .. 100 percent
     logic        lr_enable;
     logic [7:0]  lr_max_diff;
-    logic        confidence;         // in place of Smin, if it is built
     logic        narrow;             // words of two disparities
   } params_t;
 

@@ -55,6 +55,7 @@ class RawFrame:
     levels: int = 1
     grids: Grids | None = None  # rectified by them
     narrow: bool = False
+    confidence: bool = False
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -75,8 +76,11 @@ class RawFrame:
                 break
             sides = map(smooth, level) if self.smooth else level
             left, right = map(np.ascontiguousarray, sides)  # as the C model asks
-            frames.append(Frame(left, right, self.parameters, self.narrow))
+            frames.append(self._as_frame(left, right))
         return frames
+
+    def _as_frame(self, left: np.ndarray, right: np.ndarray) -> Frame:
+        return Frame(left, right, self.parameters, self.narrow, self.confidence)
 
     def words(self) -> np.ndarray:
         return np.concatenate([expected_words(frame) for frame in self.matched()])
@@ -86,7 +90,7 @@ class RawFrame:
 
     def writes(self, load_map: bool = True) -> list[tuple[int, int]]:
         """Registers and values, the commit last: of the set, and of the map if there is a new one."""
-        values = register_values(Frame(self.left, self.right, self.parameters, self.narrow))
+        values = register_values(self._as_frame(self.left, self.right))
         del values[COMMIT]
         values[FRONT_END_REGISTER] = self.smooth | (self.grids is not None) << 1 | self.levels << 8
         writes = list(values.items())
@@ -116,6 +120,7 @@ def random_raw_frame(
         levels=int(rng.integers(1, 5)),
         grids=random_grids(rng, config.rows, height, width) if rng.random() < 0.6 else None,
         narrow=bool(rng.random() < 0.3),
+        confidence=config.confidence and bool(rng.integers(2)),
     )
 
 
