@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step 8 of the contract: the rival of the winner, how far away it is, and by how much it lost.
 //
-// A second tree looks at the costs again, those of the winner and beside it hidden behind the all-ones word. The margin, the
-// largest k of 0 .. 15 with 32 M > k Smin, is divided out bit by bit: a remainder R <= Smin stands for 2^n R > k Smin with
-// n bits to come; its double is above Smin or not, which is the next bit. 2 M > Smin makes all of them ones.
+// A second tree looks at the costs again. Those of the winner and beside it have a further bit at the top, so that every
+// other one is smaller.
+//
+// The margin, the largest k of 0 .. 15 with 32 M > k Smin, M = S(d2) - Smin, is divided out bit by bit: what is left of 2 M
+// is doubled; if it is above Smin, the next bit is 1, and Smin is taken off. 2 M > Smin makes ones of all bits.
 //
 // Latency: SubpixelLatency of the package from `winner_i` and `smin_i`, which come UniquenessLatency after the costs.
 
@@ -32,21 +34,22 @@ module vista_confidence #(
     $fatal(1, "SubpixelLatency must leave a clock for the difference and one for each bit of the margin");
   end
 
-  logic [NumDisparities-1:0][CostW-1:0] other;
+  logic [NumDisparities-1:0][CostW:0] other;
   logic [IndexW-1:0] rival, winner;
   logic [CostW-1:0] rival_cost, smin;
+  logic unused_top;
 
   for (genvar d = 0; d < NumDisparities; d++) begin : gen_other
-    assign other[d] = cost_i[d] | {CostW{near_i[d]}};
+    assign other[d] = {near_i[d], cost_i[d]};
   end
 
   vista_winner #(
     .NumDisparities (NumDisparities),
-    .CostW (CostW)
+    .CostW (CostW + 1)
   ) u_rival (
     .clk_i,
     .cost_i      (other),
-    .smin_o      (rival_cost),
+    .smin_o      ({unused_top, rival_cost}),
     .disparity_o (rival)
   );
 

@@ -51,7 +51,8 @@ def behind_the_first_pixel(rtl: Rtl, rng: np.random.Generator, seed: int) -> Non
     front_end = bool(rtl.config.rows)
     frames = [random_one(rng, rtl.config) for _ in range(3 if front_end else 6)]
     before, frame = frames[:2]
-    frame.parameters, frame.narrow = before.parameters, before.narrow
+    frame.parameters = before.parameters
+    frame.narrow, frame.confidence = before.narrow, before.confidence
     if front_end:
         frame.smooth, frame.levels, frame.grids = before.smooth, before.levels, before.grids
     height, width = before.shape

@@ -10,7 +10,7 @@ from verilated import Config, Pace, Rtl
 
 pytestmark = pytest.mark.slow
 
-CONFIGS = [Config(16, 5), Config(32, 11), Config(64, 11)]
+CONFIGS = [Config(16, 5), Config(16, 21, 256, confidence=True), Config(32, 11), Config(64, 11)]
 FRAMES = 5
 PIPELINE = {16: 55, 32: 63, 64: 95}  # clocks, as in doc/rtl.md
 
@@ -31,7 +31,7 @@ def test_frames_back_to_back_take_one_clock_a_pixel(config: Config, odd: int) ->
         )
         for _ in range(FRAMES)
     ]
-    frames = [Frame(f.left, f.right, frames[0].parameters) for f in frames]
+    frames = [Frame(f.left, f.right, frames[0].parameters, confidence=config.confidence) for f in frames]
     pixels = FRAMES * width * height
     with Rtl(config) as rtl:
         rtl.write(CONTROL, 1)
