@@ -130,7 +130,7 @@ def test_distances_that_eight_bits_do_not_hold_are_the_nearest_that_they_do():
 
 @pytest.mark.parametrize("ratio", [25, 50, 75, 100])
 def test_the_margin_tells_which_ratios_of_uniqueness_a_pixel_passes(costs, ratio):
-    """Of the whole percents these are multiples of 1/32; the largest margin stands for 15/32 and more."""
+    """Ratios are whole percents; these are also multiples of 1/32. The margin 15 stands for more, too."""
     dL, smin = engine.winner(costs)
     margin = engine.confidence(costs, dL, smin, np.zeros_like(dL)) >> 4 & 15
     unique = engine.unique(costs, dL, smin, ratio)

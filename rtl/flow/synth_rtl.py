@@ -88,8 +88,8 @@ class Block:
         return ROOT / "build" / "synth" / f"{self.top}_w{self.width}_{self.device}_s{self.speed}"
 
 
-# The parameters of the matching go along with a frame, but for what is not built; before the smoothing also its switch, and before the
-# pyramid the number of levels.
+# The parameters of the matching go along with a frame, but for what is not built; before the smoothing also
+# its switch, and before the pyramid the number of levels.
 PARAMS_BITS = sum(bits for name, bits in struct_fields("params_t").items() if name != "confidence")
 BLOCKS = [
     Block("vista_smooth", PARAMS_BITS),

@@ -100,23 +100,20 @@ VISTA_TARGET static void verdict_row(const vista_finish_job *job) {
   }
 }
 
-/* The largest k of 0 .. 15 with 32 M > k Smin, M being what the rival costs more. */
-VISTA_TARGET static uint32_t margin_of(uint32_t least, uint32_t rival_cost) {
-  const uint32_t more = 32 * (rival_cost - least);
-  if (more == 0) return 0;
-  if (more - 1 >= 15 * least) return 15;
-  return (more - 1) / least;
-}
-
-/* Step 8. */
+/* Step 8. Margin and length of the texture are counted: so the loop is one of vectors. */
 VISTA_TARGET static void confidence_row(const vista_finish_job *job) {
-  const vista_winner_row *winner = &job->winner;
+  const uint32_t *restrict cost = job->winner.cost, *restrict rival_cost = job->winner.rival_cost;
+  const uint8_t *restrict best = job->winner.best, *restrict rival = job->winner.rival;
+  const uint16_t *restrict texture = job->texture;
+  uint16_t *restrict confidence = job->confidence;
   for (int32_t x = job->first; x < job->end; ++x) {
-    const int32_t far = winner->rival[x] - winner->best[x];
-    const uint32_t distance = (uint32_t)(far < INT8_MIN ? INT8_MIN : far > INT8_MAX ? INT8_MAX : far) & 0xFF;
-    uint32_t bits = 0;
-    while (job->texture[x] >> bits) ++bits;
-    job->confidence[x] = (uint16_t)(distance << 8 | margin_of(winner->cost[x], winner->rival_cost[x]) << 4 | bits);
+    const int32_t far = rival[x] - best[x], near = far > INT8_MAX ? INT8_MAX : far;
+    const int32_t distance = near < INT8_MIN ? INT8_MIN : near;
+    const uint32_t more = 32 * (rival_cost[x] - cost[x]);
+    uint32_t margin = 0, bits = 0;
+    for (uint32_t k = 1; k <= 15; ++k) margin += more > k * cost[x];
+    for (uint32_t b = 0; b < 15; ++b) bits += (uint32_t)texture[x] >> b != 0;
+    confidence[x] = (uint16_t)((uint32_t)distance << 8 | margin << 4 | bits);
   }
 }
 
