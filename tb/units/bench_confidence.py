@@ -21,6 +21,8 @@ def random_costs(rng):
         least = int(rng.choice([0, 1, 2**scale, rng.integers(2**scale)]))
         k = int(rng.choice([0, 1, 15, 16, rng.integers(18)]))
         rival = max(least, (least * k >> 5) + least + int(rng.integers(-1, 2)))
+        if rng.random() < 0.2:  # far more than the winner
+            rival = int(rng.integers(rival, 2**COST_W - 1))
         pixel[:] = np.minimum(rival + rng.integers(0, rng.choice([1, 3, 2**scale + 1]), D), 2**COST_W - 2)
         pixel[rng.integers(D)] = rival
         at = int(rng.choice([0, 1, D - 2, D - 1, rng.integers(D)]))
