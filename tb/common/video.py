@@ -229,6 +229,7 @@ class Seen:
     frames: list[dict[str, int]] = field(default_factory=list)  # what goes along with each
     starts: int = 0
     errors: int = 0
+    follows: int = 0  # clocks in which a level began that a smaller one follows
     in_clock: list[int] = field(default_factory=list)
     out_clock: list[int] = field(default_factory=list)
 
@@ -325,6 +326,8 @@ class Driver:
             seen.starts += int(ports["frame_start_o"].value)
             for name, bit in ERRORS.items():
                 seen.errors |= bit if ports[name].value else 0
+            if self.memory is not None:
+                seen.follows += int(ports["level_follows_o"].value)
             await FallingEdge(ports["clk_i"])
             self.clock += 1
             assert self.clock < latest, "it does not end"
@@ -445,6 +448,7 @@ async def check_frames_of_any_kind(
     assert_frames(seen, frames)
     starts = sum(frame.level == 0 for frame in frames)
     assert (seen.starts, seen.errors) == (starts, errors_of(segments, driver.max_width))
+    assert driver.memory is None or seen.follows == len(frames) - starts
 
 
 async def check_reset_inside_a_frame(
