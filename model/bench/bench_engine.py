@@ -113,9 +113,10 @@ def row(result: dict, name: str) -> str:
 def check_cost(repetitions: int) -> dict:
     """The engine alone, in the modes that StereoBM does not have."""
     left, right = scene(*HEADLINE_SIZE)
-    words = np.empty(left.shape, np.int16)
+    words, confidence = np.empty(left.shape, np.int16), np.empty(left.shape, np.uint16)
     calls: dict[str, Callable[[], object]] = {
         "check off": CEngine(HEADLINE).prepare(left, right, words),
+        "with confidence": CEngine(HEADLINE).prepare(left, right, words, confidence=confidence),
         "check on": CEngine(replace(HEADLINE, lr_max_diff=1)).prepare(left, right, words),
         "no prefilter": CEngine(replace(HEADLINE, prefilter="none")).prepare(left, right, words),
     }
@@ -181,7 +182,7 @@ def main() -> None:
     alone = check_cost(options.repetitions)
     for name, times in alone.items():
         print(
-            f"  640x480    32  {name:13s}{times['median']:.3f} ms ({times['p10']:.3f} .. {times['p90']:.3f})"
+            f"  640x480    32  {name:16s}{times['median']:.3f} ms ({times['p10']:.3f} .. {times['p90']:.3f})"
         )
 
     options.out.parent.mkdir(parents=True, exist_ok=True)
