@@ -1,0 +1,63 @@
+"""A matcher that an FPGA could hold beside the engine's: census or SAD costs along four paths of one pass (C,
+src/four_paths.h). Its words go through the detector as the rival "four paths"."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from vista import native
+from vista.engine import Disparity, EngineParameters, Image
+from vista.engine.frontend import LevelEngine, c_front_end
+
+_ALIGNMENT = 64
+
+
+@dataclass(frozen=True)
+class PathCosts:
+    """What is aggregated, and how. `near` and `far` are the P1 and P2 of semi-global matching."""
+
+    cost: str = "census"  # or sad
+    radius: int = 2
+    near: int = 8
+    far: int = 32
+    uniqueness_ratio: int = 15
+
+
+CHOSEN = PathCosts()
+
+
+class FourPathsEngine(LevelEngine):
+    """Candidates, left/right check and pyramid as the engine's parameters say."""
+
+    def __init__(self, parameters: EngineParameters, costs: PathCosts = CHOSEN) -> None:
+        self.parameters = parameters
+        self._front_end = c_front_end()
+        self._ffi, self._lib = native.load("vista_render")
+        values = asdict(costs) | {"num_disparities": parameters.num_disparities}
+        values["cost"] = getattr(self._lib, f"VISTA_PATHS_{costs.cost.upper()}")
+        self._params = self._ffi.new("vista_paths_params *", values | {"lr_max_diff": parameters.lr_number})
+        self._scratch = np.empty(0, np.uint8)
+        self.check_size(1, 1)
+
+    def check_size(self, width_px: int, height_px: int) -> None:
+        self._check(self._lib.vista_paths_refused(self._params, width_px, height_px))
+
+    def _match(self, left: Image, right: Image) -> Disparity:
+        left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
+        height, width = left.shape
+        self.check_size(width, height)
+        needed = self._lib.vista_paths_scratch_bytes(self._params, width, height)
+        if needed > len(self._scratch):
+            memory = np.empty(needed + _ALIGNMENT, np.uint8)
+            start = -memory.ctypes.data % _ALIGNMENT
+            self._scratch = memory[start : start + needed]
+        words = np.empty(left.shape, np.int16)
+        images = [self._ffi.from_buffer("uint8_t[]", image) for image in (left, right)]
+        out, scratch = self._ffi.from_buffer("int16_t[]", words), self._ffi.from_buffer("uint8_t[]", self._scratch)
+        self._check(self._lib.vista_paths_match(self._params, *images, width, height, out, scratch))
+        return words
+
+    def _check(self, refused: object) -> None:
+        if refused != self._ffi.NULL:
+            raise ValueError(self._ffi.string(refused).decode())
