@@ -3,7 +3,17 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { CAP = 31, MOST_SIDE_PX = 8192, PATHS = 3, GUARD = 16, KEY_BITS = 6, KEY_MASK = (1 << KEY_BITS) - 1, TOP = 1023 };
+enum {
+  CAP = 31,
+  MOST_SIDE_PX = 8192,
+  PATHS = 3,
+  GUARD = 16,
+  APART = 4,
+  TEXTURE_RADIUS = 5,
+  KEY_BITS = 6,
+  KEY_MASK = (1 << KEY_BITS) - 1,
+  TOP = 1023
+};
 
 #if defined(__x86_64__) && defined(__GLIBC__)
 #define FOR_EACH_PROCESSOR __attribute__((target_clones("arch=x86-64-v3", "default")))
@@ -15,12 +25,14 @@ enum { CAP = 31, MOST_SIDE_PX = 8192, PATHS = 3, GUARD = 16, KEY_BITS = 6, KEY_M
 /* Where the parts of the scratch begin. Rows of right pixels run backwards, so that candidates d = 0, 1, .. of a left
  * pixel are neighbours: right pixel x lies at width - 1 - x. */
 typedef struct parts {
-  uint8_t *turned;       /* the right image */
-  uint8_t *left, *right; /* responses of whole images (SAD), or the bytes of the census of a row */
+  uint8_t *turned;             /* the right image */
+  uint8_t *response[2];        /* the engine's prefilter of both images */
+  uint8_t *left, *right;       /* the bytes of the census of a row */
   uint8_t *cost;         /* [width][D] */
   uint16_t *column;      /* [width][D]: SAD of the columns of the windows */
   uint8_t *path;         /* [PATHS][width + 2][D + GUARD]: of the row above, less the smallest of its pixel */
-  uint16_t *right_key;   /* [width]: smallest key of each right pixel */
+  uint16_t *right_key;   /* [APART][width]: smallest key of each right pixel, of every fourth left pixel */
+  uint16_t *texture;     /* [width]: sums of columns */
   uint16_t *key, *below, *above;
   uint8_t *unique;
 } parts;
@@ -39,6 +51,7 @@ const char *vista_paths_refused(const vista_paths_params *p, int32_t width, int3
   if (p->radius < least || p->radius > least + 1) return "radius must be 2 or 3 for census, 1 or 2 for SAD";
   if (p->near < 0 || p->far < p->near || p->far > UINT8_MAX || largest_cost(p) + p->near + p->far > UINT8_MAX)
     return "penalties must be 0 <= near <= far, and with the largest cost at most 255";
+  if (p->texture_threshold < 0) return "texture_threshold must not be negative";
   if (p->uniqueness_ratio < 0 || p->uniqueness_ratio > 100) return "uniqueness_ratio must be from 0 to 100";
   if (p->lr_max_diff < -1 || p->lr_max_diff > 255) return "lr_max_diff must be from -1 to 255";
   if (width < 1 || width > MOST_SIDE_PX || height < 1 || height > MOST_SIDE_PX)
@@ -55,15 +68,18 @@ static void *take(uint8_t *scratch, size_t *used, size_t bytes) {
 
 static size_t lay_out(const vista_paths_params *p, size_t width, size_t height, uint8_t *scratch, parts *of) {
   const size_t D = (size_t)p->num_disparities;
-  const size_t image = p->cost == VISTA_PATHS_SAD ? width * height : 6 * width;
+  const bool sad = p->cost == VISTA_PATHS_SAD;
   size_t used = 0;
   of->turned = take(scratch, &used, width * height);
-  of->left = take(scratch, &used, image);
-  of->right = take(scratch, &used, image);
+  of->response[0] = take(scratch, &used, width * height);
+  of->response[1] = take(scratch, &used, sad ? width * height : 0);
+  of->left = take(scratch, &used, sad ? 0 : 6 * width);
+  of->right = take(scratch, &used, sad ? 0 : 6 * width);
   of->cost = take(scratch, &used, width * D);
-  of->column = take(scratch, &used, p->cost == VISTA_PATHS_SAD ? width * D * sizeof *of->column : 0);
+  of->column = take(scratch, &used, sad ? width * D * sizeof *of->column : 0);
   of->path = take(scratch, &used, PATHS * (width + 2) * (D + GUARD));
-  of->right_key = take(scratch, &used, width * sizeof(uint16_t));
+  of->right_key = take(scratch, &used, APART * width * sizeof(uint16_t));
+  of->texture = take(scratch, &used, width * sizeof(uint16_t));
   of->key = take(scratch, &used, width * sizeof(uint16_t));
   of->below = take(scratch, &used, width * sizeof(uint16_t));
   of->above = take(scratch, &used, width * sizeof(uint16_t));
@@ -80,36 +96,46 @@ size_t vista_paths_scratch_bytes(const vista_paths_params *params, int32_t width
 
 /* Bit k of a pixel's window, rows from the top: that pixel is darker than the middle. 8 bits a byte, in planes.
  * sign: -1 in an image whose rows run backwards. */
-INLINE void census_row(const uint8_t *image, int32_t width, int32_t y, int32_t r, uint8_t *planes, int sign) {
-  const uint8_t *middle = image + (ptrdiff_t)y * width;
-  memset(planes, 0, 6 * (size_t)width);
-  int bit = 0;
-  for (int32_t j = -r; j <= r; ++j)
-    for (int32_t i = -r; i <= r; ++i) {
-      if (i == 0 && j == 0) continue;
-      uint8_t *restrict plane = planes + (ptrdiff_t)(bit / 8) * width;
-      const uint8_t *other = middle + (ptrdiff_t)j * width + sign * i, mask = (uint8_t)(1 << (bit % 8));
-      for (int32_t x = r; x < width - r; ++x) plane[x] |= other[x] < middle[x] ? mask : 0;
-      ++bit;
+INLINE void census_row(const uint8_t *image, int32_t width, int32_t y, int32_t r, uint8_t *restrict planes, int sign) {
+  const int32_t side = 2 * r + 1, pixels = side * side;
+  const uint8_t *const middle = image + (ptrdiff_t)y * width;
+  for (int32_t first = 0; first < pixels - 1; first += 8, planes += width) {
+    const uint8_t *other[8];
+    for (int k = 0; k < 8; ++k) {
+      const int32_t place = first + k < pixels / 2 ? first + k : first + k + 1; /* not the middle itself */
+      other[k] = middle + (ptrdiff_t)(place / side - r) * width + sign * (place % side - r);
     }
+    for (int32_t x = r; x < width - r; ++x) {
+      uint8_t bits = 0;
+      for (int k = 0; k < 8; ++k) bits = (uint8_t)(bits | (other[k][x] < middle[x] ? 1 << k : 0));
+      planes[x] = bits;
+    }
+  }
 }
 
-INLINE uint8_t ones(uint8_t v) {
+/* How many bits are set in each half of a byte. */
+INLINE uint8_t ones_of_halves(uint8_t v) {
   v = (uint8_t)(v - ((v >> 1) & 0x55));
-  v = (uint8_t)((v & 0x33) + ((v >> 2) & 0x33));
-  return (uint8_t)((v + (v >> 4)) & 0x0F);
+  return (uint8_t)((v & 0x33) + ((v >> 2) & 0x33));
 }
 
-INLINE void census_costs(const parts *of, int32_t width, int32_t first, int32_t end, int planes, int D) {
+/* Adds what differs in three planes: a half has at most 12 of their bits. */
+INLINE void add_planes(const uint8_t *left, const uint8_t *right, ptrdiff_t width, uint8_t *restrict cost, int D) {
+  const uint8_t a = left[0], b = left[width], c = left[2 * width];
+  for (int d = 0; d < D; ++d) {
+    const uint8_t halves = (uint8_t)(ones_of_halves(a ^ right[d]) + ones_of_halves(b ^ right[width + d]) +
+                                     ones_of_halves(c ^ right[2 * width + d]));
+    cost[d] = (uint8_t)(cost[d] + (halves & 0x0F) + (halves >> 4));
+  }
+}
+
+INLINE void census_costs(const parts *of, int32_t width, int32_t first, int32_t end, int32_t r, int D) {
+  memset(of->cost + (ptrdiff_t)first * D, 0, (size_t)(end - first) * (size_t)D);
   for (int32_t x = first; x < end; ++x) {
+    const uint8_t *left = of->left + x, *right = of->right + (width - 1 - x);
     uint8_t *cost = of->cost + (ptrdiff_t)x * D;
-    const uint8_t *right = of->right + (width - 1 - x);
-    uint8_t sum[VISTA_PATHS_MAX_DISPARITIES] = {0};
-    for (int k = 0; k < planes; ++k) {
-      const uint8_t left = of->left[(ptrdiff_t)k * width + x];
-      for (int d = 0; d < D; ++d) sum[d] = (uint8_t)(sum[d] + ones(left ^ right[(ptrdiff_t)k * width + d]));
-    }
-    memcpy(cost, sum, (size_t)D);
+    add_planes(left, right, width, cost, D);
+    if (r == 3) add_planes(left + 3 * (ptrdiff_t)width, right + 3 * (ptrdiff_t)width, width, cost, D);
   }
 }
 
@@ -128,21 +154,27 @@ INLINE void respond(const uint8_t *image, int32_t width, int32_t height, uint8_t
 
 INLINE void sad_costs(const parts *of, int32_t width, int32_t y, int32_t r, int32_t first, int32_t end, int D) {
   for (int32_t x = first - r; x < end + r; ++x) {
-    uint16_t *column = of->column + (ptrdiff_t)x * D;
-    memset(column, 0, (size_t)D * sizeof *column);
+    uint16_t *column = of->column + (ptrdiff_t)x * D, sum[VISTA_PATHS_MAX_DISPARITIES] = {0};
     for (int32_t j = y - r; j <= y + r; ++j) {
-      const uint8_t left = of->left[(ptrdiff_t)j * width + x];
-      const uint8_t *right = of->right + (ptrdiff_t)j * width + (width - 1 - x);
-      for (int d = 0; d < D; ++d)
-        column[d] = (uint16_t)(column[d] + (left > right[d] ? left - right[d] : right[d] - left));
+      const uint8_t left = of->response[0][(ptrdiff_t)j * width + x];
+      const uint8_t *right = of->response[1] + (ptrdiff_t)j * width + (width - 1 - x);
+      for (int d = 0; d < D; ++d) {
+        const uint8_t more = left > right[d] ? left : right[d], less = left > right[d] ? right[d] : left;
+        sum[d] = (uint16_t)(sum[d] + (uint8_t)(more - less));
+      }
+    }
+    memcpy(column, sum, (size_t)D * sizeof *column);
+  }
+  for (int32_t x = first; x < end; ++x) {
+    const uint16_t *window = of->column + (ptrdiff_t)(x - r) * D;
+    uint8_t *restrict cost = of->cost + (ptrdiff_t)x * D;
+    for (int d = 0; d < D; ++d) {
+      uint16_t sum = window[d];
+#pragma GCC unroll 4
+      for (int i = 1; i <= 2 * r; ++i) sum = (uint16_t)(sum + window[i * D + d]);
+      cost[d] = (uint8_t)(sum >> (2 * r));
     }
   }
-  for (int32_t x = first; x < end; ++x)
-    for (int d = 0; d < D; ++d) {
-      uint16_t sum = 0;
-      for (int32_t i = -r; i <= r; ++i) sum = (uint16_t)(sum + of->column[(ptrdiff_t)(x + i) * D + d]);
-      of->cost[(ptrdiff_t)x * D + d] = (uint8_t)(sum >> (2 * r));
-    }
 }
 
 /* ---- paths ---- */
@@ -164,7 +196,8 @@ INLINE void step(const uint8_t *cost, const uint8_t *before, uint8_t *here, uint
 /* Steps 3, 5 and half of 6 of the contract, and what 7 needs. A key is a cost with 63 - d below it: the smallest key has
  * the smallest cost and, of equals, the larger d. */
 INLINE void pick(const parts *of, int32_t width, int32_t x, const uint16_t *sum, int32_t ratio, int D) {
-  uint16_t keys[VISTA_PATHS_MAX_DISPARITIES], least = UINT16_MAX, *right = of->right_key + (width - 1 - x);
+  uint16_t keys[VISTA_PATHS_MAX_DISPARITIES], least = UINT16_MAX,
+                                              *right = of->right_key + (x % APART + 1) * (ptrdiff_t)width - 1 - x;
   for (int d = 0; d < D; ++d) {
     keys[d] = (uint16_t)((sum[d] << KEY_BITS) | (KEY_MASK - d));
     least = keys[d] < least ? keys[d] : least;
@@ -206,10 +239,34 @@ INLINE void follow(const parts *of, const vista_paths_params *p, int32_t width, 
   }
 }
 
+INLINE void add_texture(const parts *of, int32_t width, int32_t row, int sign) {
+  const uint8_t *response = of->response[0] + (ptrdiff_t)row * width;
+  for (int32_t x = 0; x < width; ++x)
+    of->texture[x] = (uint16_t)(of->texture[x] + sign * (response[x] > CAP ? response[x] - CAP : CAP - response[x]));
+}
+
+/* Step 4, over the part of a block of 11 px that lies within the image. Rows come one after the other. */
+INLINE void ask_texture(const parts *of, int32_t threshold, int32_t width, int32_t height, int32_t y, int32_t first,
+                        int32_t end) {
+  if (y + TEXTURE_RADIUS < height) add_texture(of, width, y + TEXTURE_RADIUS, 1);
+  if (y > TEXTURE_RADIUS) add_texture(of, width, y - TEXTURE_RADIUS - 1, -1);
+  int32_t sum = 0;
+  for (int32_t x = first - TEXTURE_RADIUS; x < first + TEXTURE_RADIUS && x < width; ++x) sum += of->texture[x];
+  for (int32_t x = first; x < end; ++x) {
+    if (x + TEXTURE_RADIUS < width) sum += of->texture[x + TEXTURE_RADIUS];
+    of->unique[x] &= sum >= threshold;
+    sum -= of->texture[x - TEXTURE_RADIUS];
+  }
+}
+
 /* Steps 6 and 7 of a row. The fraction of 8 bits is exact in floats: numerator and denominator are below 2^19. */
 INLINE void finish(const parts *of, const vista_paths_params *p, int32_t width, int32_t first, int32_t end,
                    int16_t *words) {
   const int32_t most = p->lr_max_diff < 0 ? INT32_MAX : p->lr_max_diff;
+  for (int k = 1; k < APART; ++k)
+    for (int32_t x = 0; x < width; ++x)
+      if (of->right_key[k * (ptrdiff_t)width + x] < of->right_key[x])
+        of->right_key[x] = of->right_key[k * (ptrdiff_t)width + x];
   for (int32_t x = first; x < end; ++x) {
     const int32_t best = KEY_MASK - (of->key[x] & KEY_MASK);
     const int32_t apart = best - KEY_MASK + (of->right_key[width - 1 - x + best] & KEY_MASK);
@@ -227,18 +284,21 @@ INLINE void finish(const parts *of, const vista_paths_params *p, int32_t width, 
 INLINE void match(const vista_paths_params *p, const uint8_t *left, int32_t width, int32_t height, int16_t *words,
                   const parts *of, int D) {
   const int32_t r = p->radius, first = D - 1 + r, end = width - r;
+  memset(of->texture, 0, (size_t)width * sizeof *of->texture);
+  for (int32_t y = 0; y < r + TEXTURE_RADIUS && y < height; ++y) add_texture(of, width, y, 1);
   for (int32_t y = r; y < height - r; ++y) {
     if (p->cost == VISTA_PATHS_CENSUS) {
       census_row(left, width, y, r, of->left, 1);
       census_row(of->turned, width, y, r, of->right, -1);
-      census_costs(of, width, first, end, r == 2 ? 3 : 6, D);
+      census_costs(of, width, first, end, r, D);
     } else if (r == 1) {
       sad_costs(of, width, y, 1, first, end, D);
     } else {
       sad_costs(of, width, y, 2, first, end, D);
     }
-    memset(of->right_key, 0xFF, (size_t)width * sizeof *of->right_key);
+    memset(of->right_key, 0xFF, APART * (size_t)width * sizeof *of->right_key);
     follow(of, p, width, first, end, D);
+    ask_texture(of, p->texture_threshold, width, height, y, first, end);
     finish(of, p, width, first, end, words + (ptrdiff_t)y * width);
   }
 }
@@ -246,10 +306,8 @@ INLINE void match(const vista_paths_params *p, const uint8_t *left, int32_t widt
 FOR_EACH_PROCESSOR
 static void match_all(const vista_paths_params *p, const uint8_t *left, int32_t width, int32_t height, int16_t *words,
                       const parts *of) {
-  if (p->cost == VISTA_PATHS_SAD) {
-    respond(left, width, height, of->left, 1);
-    respond(of->turned, width, height, of->right, -1);
-  }
+  respond(left, width, height, of->response[0], 1);
+  if (p->cost == VISTA_PATHS_SAD) respond(of->turned, width, height, of->response[1], -1);
   if (p->num_disparities == 32)
     match(p, left, width, height, words, of, 32);
   else

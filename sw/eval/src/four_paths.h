@@ -19,6 +19,7 @@ typedef struct vista_paths_params {
   vista_paths_cost cost;
   int32_t radius;           /* of the window, px: census 2 or 3, SAD 1 or 2 */
   int32_t near, far;        /* penalties of a change by 1 px and of any change: P1 and P2 */
+  int32_t texture_threshold;
   int32_t uniqueness_ratio; /* percent, 0: off */
   int32_t lr_max_diff;      /* px, -1: off */
 } vista_paths_params;

@@ -21,7 +21,8 @@ class PathCosts:
     radius: int = 2
     near: int = 8
     far: int = 32
-    uniqueness_ratio: int = 15
+    texture_threshold: int = 1200
+    uniqueness_ratio: int = 25
 
 
 CHOSEN = PathCosts()
