@@ -4,6 +4,8 @@ as configured         the project's engine and host
 spanning forest       the cut's own seeds, shells, links, merging and refinement; a maximum spanning forest
                       divides what the cut divides (segmentation.solver)
 SGBM words            the words of OpenCV's StereoSGBM, three ways, in the same host
+four paths            those of a matcher whose costs follow four paths of one pass (baselines.four_paths), on
+                      all of the engine's levels
 perfect disparities   the true disparity of every pixel, rounded to the engine's words, on all of its levels:
                       what is nearer than a level matches, or is sky, has none. An upper bound for the engine
 place vote            the engine's words at places along the path in the last six frames, with neither regions
@@ -42,6 +44,7 @@ from vista.history import FrameRecord
 from vista.pipeline import Result
 from vista.rectify import Rectifier
 
+from vista_eval.baselines.four_paths import FourPathsEngine
 from vista_eval.baselines.place_vote import vote
 from vista_eval.baselines.reference_method import ReferenceParameters, merge_cells
 from vista_eval.baselines.stereo_alone import Threshold, label_clusters, thresholded
@@ -53,7 +56,7 @@ from vista_eval.fly import flight_digest, fly, fly_cached, judged, kept_records,
 from vista_eval.metrics.standing_points import ACCEPTED, Judged
 
 OURS, FOREST, SGBM, PERFECT = "as configured", "spanning forest", "SGBM words", "perfect disparities"
-REFERENCE, ALONE, VOTE = "reference method", "stereo alone", "place vote"
+REFERENCE, ALONE, VOTE, PATHS = "reference method", "stereo alone", "place vote", "four paths"
 # Without a false alarm on nine flights that nothing was chosen on, and it finds most of what stands there.
 ALONE_THRESHOLD = Threshold(texture=2000, uniqueness=20, sad=62.0, pixels=80)
 SGBM_BLOCK, SGBM_UNIQUENESS = 5, 10
@@ -244,6 +247,7 @@ IN_HOST = {
         DETECTOR,
         InHost(FOREST, values=with_forest),
         InHost(SGBM, values=at_one_level, engine=SgbmEngine),
+        InHost(PATHS, engine=lambda stereo, _: FourPathsEngine(stereo)),
         InHost(PERFECT, engine=TruthEngine),
         InHost(VOTE, records=vote),
         InHost(REFERENCE, partition=merged),
@@ -251,4 +255,5 @@ IN_HOST = {
 }
 RIVALS: dict[str, Rival] = {**IN_HOST, ALONE: Clusters()}
 OF_FLIGHTS = (OURS, FOREST, SGBM, PERFECT, VOTE)
+ASKED_FOR = (*OF_FLIGHTS[1:], PATHS)  # what flies beside the detector only if it is named, last
 OF_PAIRS = (OURS, REFERENCE, SGBM, ALONE)

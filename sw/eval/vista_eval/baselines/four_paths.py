@@ -54,8 +54,9 @@ class FourPathsEngine(LevelEngine):
             start = -memory.ctypes.data % _ALIGNMENT
             self._scratch = memory[start : start + needed]
         words = np.empty(left.shape, np.int16)
-        images = [self._ffi.from_buffer("uint8_t[]", image) for image in (left, right)]
-        out, scratch = self._ffi.from_buffer("int16_t[]", words), self._ffi.from_buffer("uint8_t[]", self._scratch)
+        buffer = self._ffi.from_buffer
+        images = [buffer("uint8_t[]", image) for image in (left, right)]
+        out, scratch = buffer("int16_t[]", words), buffer("uint8_t[]", self._scratch)
         self._check(self._lib.vista_paths_match(self._params, *images, width, height, out, scratch))
         return words
 

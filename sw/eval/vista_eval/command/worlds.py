@@ -63,6 +63,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="fly stereo alone with the host's tracker at one threshold and not at each, which takes longest",
     )
+    parser.add_argument(
+        "--beside",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="score only these rivals beside the detector (vista_eval.rivals), and nothing else",
+    )
     add_sensor_noise(parser)
     add_place(parser)
     add_config(parser)
@@ -77,7 +84,7 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.freeze:
         freeze(arguments.split, place)
         return EXIT_OK
-    families = chosen(arguments.split, arguments.family)
+    families, rivals = chosen(arguments.split, arguments.family), chosen_rivals(arguments.beside)
     count, seed = size_of_set(arguments)
     folder = place.known_to_all(arguments.folder)
     keys = [(family.name, number, seed) for family in families for number in range(count)]
@@ -95,7 +102,8 @@ def execute(arguments: argparse.Namespace) -> int:
     )
 
     beside = replace(EVERYTHING, sweep=AT_ONE_THRESHOLD) if arguments.no_sweep else EVERYTHING
-    beside = replace(NOTHING if arguments.no_controls else beside, noise_grey=tuple(arguments.noise))
+    beside = NOTHING if arguments.no_controls else replace(NOTHING, controls=rivals) if rivals else beside
+    beside = replace(beside, noise_grey=tuple(arguments.noise))
     suite = Worlds(folders, beside, f"worlds-{arguments.split}")
     if judged is not None:
         suite = replace(suite, before_shown=partial(log_scoring, judged))
@@ -119,6 +127,17 @@ def chosen(split: str, names: list[str]) -> list[Family]:
         reason = f"no family {unknown[0]} in the split {split}; `vista worlds DIR --list` names them"
         raise InputError("--family", reason)
     return [family for name, family in families.items() if not names or name in names]
+
+
+def chosen_rivals(names: list[str]) -> tuple[str, ...]:
+    if not names:
+        return ()
+    from vista_eval.rivals import ASKED_FOR
+
+    unknown = [name for name in names if name not in ASKED_FOR]
+    if unknown:
+        raise InputError("--beside", f"no rival {unknown[0]!r}, only {', '.join(ASKED_FOR)}")
+    return tuple(names)
 
 
 def size_of_set(arguments: argparse.Namespace) -> tuple[int, int]:

@@ -6,6 +6,7 @@ from vista_eval.metrics.comparison import describe
 from vista_eval.metrics.flight_score import FIRST_DETECTION_M
 from vista_eval.metrics.flight_segmentation import SHOWN
 from vista_eval.metrics.free_directions import table as directions_table
+from vista_eval.metrics.free_path import CLEAR_M, SEEN_M
 from vista_eval.metrics.free_path import table as free_table
 from vista_eval.metrics.group import nees, states
 from vista_eval.metrics.intervals import Share
@@ -26,7 +27,7 @@ def tables(families: list[FamilyScore]) -> list[Table]:
         directions_table("family", [(family.name, family.controls[OURS].directions) for family in families]),
     ]
     if len(families[0].controls) > 1:
-        made.append(controls_table(families))
+        made += [controls_table(families), controls_free_table(families)]
     if families[0].noisy:
         made.append(noise_table(families))
     if any(family.segmentation for family in families):
@@ -107,6 +108,21 @@ def controls_table(families: list[FamilyScore]) -> Table:
         "false alarm. Stereo alone, with the host's tracker, is at one threshold "
         f"({describe(ALONE_THRESHOLD)}).",
         "Beside it, in the same host",
+    )
+
+
+def controls_free_table(families: list[FamilyScore]) -> Table:
+    def cell(score: ControlScore) -> str:
+        free = score.free
+        return f"{free.clear_seen}/{free.clear}, {free.through}/{free.asked}"
+
+    return Table(
+        "controls-free",
+        ("family", *families[0].controls),
+        [(family.name, *map(cell, family.controls.values())) for family in families],
+        f"In the columns are: frames that call {SEEN_M:g} m of the path seen, of those with nothing on it "
+        f"for {CLEAR_M:g} m; frames that call it seen through something, of those that meet something.",
+        "How far the path is free, beside it",
     )
 
 
