@@ -98,18 +98,19 @@ def test_words_are_those_of_the_definition(cost: str, radius: int, candidates: i
     """Shifted textures, from strong to hardly any, in sizes that are odd and even."""
     random = seeded(radius)
     found = 0
-    for most in (None, 0, 1):
-        height, width = random.integers(6, 16), candidates + random.integers(2 * radius, 30)
+    for most, asked in ((None, (0, 0)), (0, (0, 15)), (1, (700, 5))):
+        height = 2 * radius + random.integers(3, 12)
+        width = candidates + 2 * radius + random.integers(8, 24)
         texture = random.integers(0, random.choice([6, 40, 256]), (height, width + candidates), np.uint8)
         shift = random.integers(0, candidates)
         left, right = texture[:, :width], texture[:, shift : shift + width]
         near, far = random.integers(0, 20), random.integers(20, 90)
-        costs = PathCosts(cost, radius, near, far, *random.choice([(0, 0), (0, 15), (700, 5)]))
+        costs = PathCosts(cost, radius, near, far, *asked)
         engine = FourPathsEngine(EngineParameters(candidates, lr_max_diff=most), costs)
         words = engine.compute(left, right)
         assert np.array_equal(words, reference(left, right, costs, candidates, most))
         found += (words != INVALID).sum()
-    assert found > 50
+    assert found > 20  # without a check every pixel has a word
 
 
 @pytest.mark.parametrize(("cost", "radius"), COSTS)
