@@ -10,14 +10,13 @@
 enum { VISTA_PATHS_MAX_DISPARITIES = 64, VISTA_PATHS_INVALID = -16 };
 
 typedef enum vista_paths_cost {
-  VISTA_PATHS_CENSUS, /* bits that differ: which pixels of the window are darker than the middle */
-  VISTA_PATHS_SAD     /* of the engine's horizontal Sobel response, clamped to 31 */
+  VISTA_PATHS_CENSUS, /* bits that differ: which of 5x5 pixels are darker than the middle */
+  VISTA_PATHS_SAD     /* of 3x3 pixels of the engine's horizontal Sobel response, clamped to 31; a quarter of it */
 } vista_paths_cost;
 
 typedef struct vista_paths_params {
   int32_t num_disparities; /* 32 or 64 */
   vista_paths_cost cost;
-  int32_t radius;           /* of the window, px: census 2 or 3, SAD 1 or 2 */
   int32_t near, far;        /* penalties of a change by 1 px and of any change: P1 and P2 */
   int32_t texture_threshold;
   int32_t uniqueness_ratio; /* percent, 0: off */

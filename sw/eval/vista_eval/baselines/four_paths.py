@@ -17,11 +17,10 @@ _ALIGNMENT = 64
 class PathCosts:
     """What is aggregated, and how. `near` and `far` are the P1 and P2 of semi-global matching."""
 
-    cost: str = "census"  # or sad
-    radius: int = 2
-    near: int = 8
-    far: int = 32
-    texture_threshold: int = 1200
+    cost: str = "sad"  # or census
+    near: int = 16
+    far: int = 96
+    texture_threshold: int = 600
     uniqueness_ratio: int = 25
 
 
