@@ -4,8 +4,9 @@ as configured         the project's engine and host
 spanning forest       the cut's own seeds, shells, links, merging and refinement; a maximum spanning forest
                       divides what the cut divides (segmentation.solver)
 SGBM words            the words of OpenCV's StereoSGBM, three ways, in the same host
-four paths            those of a matcher whose costs follow four paths of one pass (baselines.four_paths), on
-                      all of the engine's levels
+smoothed images       the engine's words of smoothed images (stereo.smooth)
+four paths            of the same images, those of a matcher whose costs follow four paths of one pass
+                      (baselines.four_paths), on all of the engine's levels
 perfect disparities   the true disparity of every pixel, rounded to the engine's words, on all of its levels:
                       what is nearer than a level matches, or is sky, has none. An upper bound for the engine
 place vote            the engine's words at places along the path in the last six frames, with neither regions
@@ -56,7 +57,8 @@ from vista_eval.fly import flight_digest, fly, fly_cached, judged, kept_records,
 from vista_eval.metrics.standing_points import ACCEPTED, Judged
 
 OURS, FOREST, SGBM, PERFECT = "as configured", "spanning forest", "SGBM words", "perfect disparities"
-REFERENCE, ALONE, VOTE, PATHS = "reference method", "stereo alone", "place vote", "four paths"
+REFERENCE, ALONE, VOTE = "reference method", "stereo alone", "place vote"
+SMOOTHED, PATHS = "smoothed images", "four paths"
 # Without a false alarm on nine flights that nothing was chosen on, and it finds most of what stands there.
 ALONE_THRESHOLD = Threshold(texture=2000, uniqueness=20, sad=62.0, pixels=80)
 SGBM_BLOCK, SGBM_UNIQUENESS = 5, 10
@@ -160,6 +162,10 @@ def with_forest(values: parameters.Values) -> parameters.Values:
     return values | {"segmentation": values["segmentation"] | {"solver": "forest"}}
 
 
+def with_smoothing(values: parameters.Values) -> parameters.Values:
+    return values | {"stereo": values["stereo"] | {"smooth": "binomial3"}}
+
+
 def merged(graph: CellGraph) -> NDArray[np.int32]:
     return merge_cells(graph.edges, graph.affinity, graph.horizontal, ReferenceParameters())
 
@@ -247,7 +253,8 @@ IN_HOST = {
         DETECTOR,
         InHost(FOREST, values=with_forest),
         InHost(SGBM, values=at_one_level, engine=SgbmEngine),
-        InHost(PATHS, engine=lambda stereo, _: FourPathsEngine(stereo)),
+        InHost(SMOOTHED, values=with_smoothing),
+        InHost(PATHS, values=with_smoothing, engine=lambda stereo, _: FourPathsEngine(stereo)),
         InHost(PERFECT, engine=TruthEngine),
         InHost(VOTE, records=vote),
         InHost(REFERENCE, partition=merged),
@@ -255,5 +262,5 @@ IN_HOST = {
 }
 RIVALS: dict[str, Rival] = {**IN_HOST, ALONE: Clusters()}
 OF_FLIGHTS = (OURS, FOREST, SGBM, PERFECT, VOTE)
-ASKED_FOR = (*OF_FLIGHTS[1:], PATHS)  # what flies beside the detector only if it is named, last
+ASKED_FOR = (*OF_FLIGHTS[1:], SMOOTHED, PATHS)  # beside the detector; the last two fly only if they are named
 OF_PAIRS = (OURS, REFERENCE, SGBM, ALONE)

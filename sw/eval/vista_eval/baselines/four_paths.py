@@ -1,13 +1,17 @@
 """A matcher that an FPGA could hold beside the engine's: census or SAD costs along four paths of one pass (C,
-src/four_paths.h). Its words go through the detector as the rival "four paths"."""
+src/four_paths.h). Its words go through the detector as the rival "four paths".
+
+    python -m vista_eval.baselines.four_paths    # its processor time for an image, by turns with the engine's
+"""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+import time
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from vista import native
-from vista.engine import Disparity, EngineParameters, Image
+from vista.engine import Disparity, EngineParameters, Image, StereoEngine
 from vista.engine.frontend import LevelEngine, c_front_end
 
 _ALIGNMENT = 64
@@ -62,3 +66,28 @@ class FourPathsEngine(LevelEngine):
     def _check(self, refused: object) -> None:
         if refused != self._ffi.NULL:
             raise ValueError(self._ffi.string(refused).decode())
+
+
+def main(turns: int = 101) -> None:
+    """Medians on images of 640x480 px that show a texture 10 px apart."""
+    texture = np.random.default_rng(1).integers(0, 256, (480, 650), np.uint8)
+    left, right = texture[:, :640], texture[:, 10:]
+    engines: dict[str, LevelEngine] = {}
+    for count in (32, 64):
+        parameters = EngineParameters(count)
+        engines |= {f"engine, {count} disparities": StereoEngine(**asdict(parameters))}
+        for cost in ("census", "sad"):
+            paths = FourPathsEngine(parameters, replace(CHOSEN, cost=cost))
+            engines |= {f"four paths, {cost}, {count} disparities": paths}
+    times: dict[str, list[float]] = {name: [] for name in engines}
+    for _ in range(turns):
+        for name, engine in engines.items():
+            start = time.thread_time()
+            engine.compute(left, right)
+            times[name].append(1e3 * (time.thread_time() - start))
+    for name, taken in times.items():
+        print(f"{name:34s}{np.median(taken):6.2f} ms")
+
+
+if __name__ == "__main__":
+    main()
