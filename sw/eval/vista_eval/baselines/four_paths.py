@@ -25,7 +25,7 @@ class PathCosts:
     near: int = 16
     far: int = 96
     texture_threshold: int = 600
-    uniqueness_ratio: int = 25
+    uniqueness_ratio: int = 40
 
 
 CHOSEN = PathCosts()
