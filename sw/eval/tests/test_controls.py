@@ -20,7 +20,7 @@ from vista_eval.jobs import HERE
 from vista_eval.metrics.flight_score import score_records
 from vista_eval.metrics.rules import STRICT
 from vista_eval.report.filmstrip import told
-from vista_eval.rivals import FOREST, IN_HOST, OF_FLIGHTS, OURS, PERFECT, SGBM, true_words
+from vista_eval.rivals import FOREST, IN_HOST, OF_FLIGHTS, OURS, PATHS, PERFECT, SGBM, true_words
 from vista_eval.score import score
 from vista_eval.suites.worlds import Beside, Worlds, kept_name, score_world
 
@@ -111,7 +111,7 @@ def test_stereo_alone_warns_once_its_track_is_confirmed(flight: Path, tmp_path: 
     assert [found] == tracked_cached(flight, parameters.defaults(), tmp_path / "kept.json", SMALL)
 
 
-@pytest.mark.parametrize("control", OF_FLIGHTS)
+@pytest.mark.parametrize("control", [*OF_FLIGHTS, PATHS])
 def test_each_control_finds_the_sign(flight: Path, tmp_path: Path, control: str) -> None:
     values = parameters.defaults()
     records = IN_HOST[control].fly_cached(flight, values, tmp_path / "records.json")
@@ -148,7 +148,14 @@ def test_worlds_of_a_folder(flight: Path, capsys: pytest.CaptureFixture) -> None
     text = capsys.readouterr().out
     worlds = [score_world(folder, values, beside) for folder in (flight, twin)]  # of what is kept
     assert [(world.name, world.family) for world in worlds] == [("sign", "signs"), ("twin", "signs")]
-    for title in ("By family", "in the same host", "Stereo alone", "sensor noise", "Segmentation"):
+    for title in (
+        "By family",
+        "in the same host",
+        "free, beside it",
+        "Stereo alone",
+        "sensor noise",
+        "Segmentation",
+    ):
         assert title in text
     page = (flight.parent / "worlds.html").read_text()
     assert "By family" in page and "signs" in page

@@ -54,6 +54,11 @@ def test_a_family_of_another_split_is_refused(families: None, vista: Vista, tmp_
     assert_refused(vista("worlds", tmp_path, "--family", "four"), "no family four")
 
 
+def test_a_rival_that_nobody_knows_is_refused(families: None, vista: Vista, tmp_path: Path) -> None:
+    assert_refused(vista("worlds", tmp_path / "none", "--beside", "four paths", "SGM"), "no rival 'SGM'")
+    assert not (tmp_path / "none").exists()
+
+
 @pytest.mark.parametrize("option", [("--seed", 2), ("--count", 8), ("--family", "three")])
 def test_the_test_set_is_scored_as_frozen_only(
     families: None, vista: Vista, tmp_path: Path, option: tuple[str, object]
