@@ -56,7 +56,7 @@ module vista_rectify_sample #(
   localparam int unsigned BankDepth = NumRows / 2 * HalfWidth;
   localparam int unsigned AddrW = $clog2(BankDepth);
 
-  // Where a row begins in its bank: a table, since a product of so few bits would be slower.
+  // A row begins here in its bank. This is a table, since a product of so few bits would be slower.
   typedef logic [NumRows/2-1:0][AddrW-1:0] starts_t;
 
   function automatic starts_t starts_of_rows();
