@@ -170,14 +170,13 @@ _PARAMS = struct_fields("params_t")
 PARAMS_BITS = sum(_PARAMS.values())
 
 
-def params_bits(frame: Frame) -> int:
+def params_bits(p: Parameters, narrow: bool = False, confidence: bool = False) -> int:
     """The packed struct params_t."""
-    p = frame.parameters
     values = {
         "xsobel": p.prefilter == "xsobel", "cap": p.prefilter_cap, "texture_threshold": p.texture_threshold,
         "uniqueness_ratio": p.uniqueness_ratio, "lr_enable": p.lr_max_diff is not None,
-        "lr_max_diff": p.lr_max_diff or 0, "narrow": frame.narrow,
-        "confidence": frame.confidence,
+        "lr_max_diff": p.lr_max_diff or 0, "narrow": narrow,
+        "confidence": confidence,
     }  # fmt: skip
     assert len(values) == len(_PARAMS), "params_t has a field that nothing here sets"
     return struct_bits(_PARAMS, values)

@@ -107,8 +107,8 @@ CONFIGS = [
     Config(16, 5), Config(16, 21, 256, confidence=True), Config(32, 9, 96), Config(32, 11),
     Config(48, 7, 256, confidence=True), Config(64, 11),
 ]  # fmt: skip
-FRONT_END = Config(16, 5, 64, rows=16, confidence=True)
-FRONT_ENDS = [FRONT_END, Config(32, 11, 128, rows=32)]
+FRONT_END = Config(16, 5, 64, rows=16)
+FRONT_ENDS = [FRONT_END, Config(32, 11, 128, rows=32, confidence=True)]
 PACES = [Pace(), Pace(300, 300), Pace(50, 20), Pace(700, 100), Pace(5, 5)]
 
 

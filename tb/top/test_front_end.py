@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ from verilated import FRONT_END, Rtl
 
 pytestmark = pytest.mark.slow
 
-CONFIG = FRONT_END
+CONFIG = replace(FRONT_END, confidence=True)
 ROWS = CONFIG.rows
 D, B = CONFIG.num_disparities, CONFIG.block_size
 

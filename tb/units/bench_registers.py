@@ -43,7 +43,7 @@ def in_force_of(frame, front_end):
     return {
         "width_o": width,
         "height_o": height,
-        "params_o": params_bits(frame),
+        "params_o": params_bits(frame.parameters, frame.narrow, frame.confidence),
         "front_end_o": struct_bits(FRONT_END_FIELDS, front_end),
     }
 
