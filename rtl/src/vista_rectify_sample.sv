@@ -54,7 +54,7 @@ module vista_rectify_sample #(
   localparam int unsigned PlaceW = ((ColW > RowW) ? ColW : RowW) + FractionW + 2;  // before it is clamped; signed
   localparam int unsigned HalfWidth = (MaxWidth + 1) / 2;
   localparam int unsigned BankDepth = NumRows / 2 * HalfWidth;
-  localparam int unsigned AddrW = $clog2(BankDepth);
+  localparam int unsigned AddrW = (BankDepth > 1) ? $clog2(BankDepth) : 1;
 
   // A row begins here in its bank. This is a table, since a product of so few bits would be slower.
   typedef logic [NumRows/2-1:0][AddrW-1:0] starts_t;

@@ -45,7 +45,7 @@ def lasting(found: list[Upset]) -> list[Upset]:
 @pytest.mark.parametrize("config", [CORE, WHOLE], ids=NAMES.get)
 def test_an_upset_is_gone_with_the_next_frame_or_told_of(config: Config, restarts: bool) -> None:
     with Rtl(config) as rtl:
-        found = upsets(rtl, 3, 24, restarts)  # some of them show; `make upsets` draws thousands
+        found = upsets(rtl, 7, 24, restarts)  # some of them show; `make upsets` draws thousands
     assert any(upset.outcome != MASKED for upset in found)
     for upset in lasting(found):
         assert upset.told and any(name in upset.cell for name in KEPT), upset

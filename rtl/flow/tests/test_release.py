@@ -159,7 +159,7 @@ def test_release_gives_the_same_in_every_clock_and_no_x(config: Config, tmp_path
 # With the memories that each has to keep.
 @pytest.mark.parametrize(
     ("config", "memories"),
-    [(Config(32, 11), 9), (Config(32, 11, rows=64, points=2048), 24)],
+    [(Config(32, 11), 9), (Config(32, 11, rows=64, points=2048), 82)],
     ids=["core", "front_end"],
 )
 def test_reference_build_is_read_by_yosys_and_icarus(config: Config, memories: int, tmp_path: Path) -> None:
