@@ -171,8 +171,9 @@ class Outputs(NamedTuple):
     confidence: npt.NDArray[np.uint16]
 
 
-def compute_all(left: Image, right: Image, parameters: Parameters) -> Outputs:
-    """Disparity words; Smin and confidence of every matched pixel whether valid or not."""
+def compute_all(left: Image, right: Image, parameters: Parameters, with_confidence: bool = True) -> Outputs:
+    """Disparity words; Smin and confidence of every matched pixel whether valid or not. A confidence
+    that is not wanted costs nothing, and is NO_CONFIDENCE everywhere."""
     if left.shape != right.shape or left.ndim != 2 or left.dtype != np.uint8 or right.dtype != np.uint8:
         raise ValueError("left and right must be uint8 images of the same height and width")
     height, width = left.shape
@@ -200,7 +201,8 @@ def compute_all(left: Image, right: Image, parameters: Parameters) -> Outputs:
     )
     outputs.words[matched] = np.where(valid, subpixel(S, dL, smin), INVALID)
     outputs.smin[matched] = smin
-    outputs.confidence[matched] = confidence(S, dL, smin, texture_sums)
+    if with_confidence:
+        outputs.confidence[matched] = confidence(S, dL, smin, texture_sums)
     return outputs
 
 
@@ -208,9 +210,9 @@ def compute_with_smin(
     left: Image, right: Image, parameters: Parameters
 ) -> tuple[Words, npt.NDArray[np.uint32]]:
     """Disparity words, and Smin of every matched pixel whether valid or not (NO_COST elsewhere)."""
-    return compute_all(left, right, parameters)[:2]
+    return compute_all(left, right, parameters, with_confidence=False)[:2]
 
 
 def compute(left: Image, right: Image, parameters: Parameters) -> Words:
     """Disparity words of the left image."""
-    return compute_all(left, right, parameters).words
+    return compute_all(left, right, parameters, with_confidence=False).words
