@@ -131,11 +131,16 @@ def beats(left: Image, right: Image) -> npt.NDArray[np.uint32]:
 def expected_words(frame: Frame) -> npt.NDArray[np.uint32]:
     """What the engine has to send: {Smin saturated to 16 bits, disparity}, or two disparities in a word, or
     {confidence, disparity}."""
-    disparity, smin, confidence = CEngine(frame.parameters).compute_all(frame.left, frame.right)
+    engine = CEngine(frame.parameters)
+    upper: npt.NDArray[np.unsignedinteger]
+    if frame.confidence:
+        disparity, _, upper = engine.compute_all(frame.left, frame.right)
+    else:
+        disparity, smin = engine.compute(frame.left, frame.right)
+        upper = np.minimum(smin, 0xFFFF)
     if frame.narrow:
         return packed(disparity)
-    upper = confidence.astype(np.uint32) if frame.confidence else np.minimum(smin, 0xFFFF)
-    return (disparity.view(np.uint16) | upper << 16).astype(np.uint32).ravel()
+    return (disparity.view(np.uint16) | upper.astype(np.uint32) << 16).astype(np.uint32).ravel()
 
 
 def packed(disparity: npt.NDArray[np.int16]) -> npt.NDArray[np.uint32]:
