@@ -3,7 +3,8 @@
 // known to have filler in it if and only if a frame broke before its last pixel.
 //
 // Assumed of the framer, and proved there: a pixel comes only a clock after `go_o` was up, and a frame begins with the
-// first of the 4 or more pixels of its first row. Assumed of vista_rectify_rows: rows are freed in order, none before it was written.
+// first of the 4 or more pixels of its first row. Assumed of vista_rectify_rows: rows are freed in order, none before it
+// was written.
 
 logic               f_started = 1'b0;
 logic               f_go, f_filler, f_row_end, f_row_filler;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Turns incoming video into slots, one pixel of a row beside the one below it, and checks its framing.
 //
-// Row n of the frame that comes and row n-1 of the frame of the slots advance together, since filters need the row below. The last row of a frame has none below: its slots (the *drain*) run by themselves as soon as the frame
-// is complete, beside the first row of a following frame, which is only stored. So frames may follow each other without
-// a gap, and the last one needs no follower.
+// Row n of the frame that comes and row n-1 of the frame of the slots advance together, since filters need the row
+// below. The last row of a frame has none below: its slots (the *drain*) run by themselves as soon as the frame is
+// complete, beside the first row of a following frame, which is only stored. So frames may follow each other without a
+// gap, and the last one needs no follower.
 //
 // Framing errors. A frame is cut where its structure breaks (early or missing end of line, early start of frame): the
 // missing pixels are filled in at one a clock, their slots marked `cut`, and the rest of the input is dropped up to the

@@ -1,4 +1,5 @@
-/* Steps 2, 3, 5 and 6 in vectors, and the rivals of step 8, written once over `group`: LANES costs of 16 bits of one pixel, d rising.
+/* Steps 2, 3, 5 and 6 in vectors, and the rivals of step 8, written once over `group`: LANES costs of 16 bits of one
+ * pixel, d rising.
  *
  * The including file defines VISTA_TARGET, VISTA_INLINE, LANES (16 or 32), the type and, with the meaning of their
  * names,

@@ -1,5 +1,5 @@
-/* Steps 2, 3, 5 and 6 in plain C, and the rivals of step 8, for the costs' integer type VISTA_COST; defines VISTA_MATCH_PLAIN. May be included
- * more than once. */
+/* Steps 2, 3, 5 and 6 in plain C, and the rivals of step 8, for the costs' integer type VISTA_COST; defines
+ * VISTA_MATCH_PLAIN. May be included more than once. */
 
 VISTA_TARGET static void VISTA_MATCH_PLAIN(const vista_match_job *job) {
   enum { MAX_D = VISTA_ENGINE_MAX_DISPARITIES };
