@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sends random pairs to the simulated board over UDP, whose link drops and doubles packets, and compares
-every word with the C model.
+"""Sends random pairs to the simulated board over UDP, whose link drops, doubles and damages packets, and
+compares every word with the C model.
 
 Frames of 640x480, and with --kitti FOLDER a crop of a pair of KITTI 2012, go through `make board-sim D=32
 B=11 W=640 R=32` as the client of libvista sends and fetches them, two at a time on the board. Sessions of one
@@ -152,6 +152,7 @@ def table_of(found: dict[str, Any]) -> dict[str, Any]:
         "packets": packets["packets"],
         "dropped": packets["dropped"],
         "doubled": packets["doubled"],
+        "damaged, half of them cut off": packets["damaged"],
         "chunks of pixels sent again": found["chunks_sent_again"],
     }
     rows = [[name, f"{number:,}"] for name, number in numbers.items()]
@@ -166,12 +167,18 @@ def main() -> int:
     parser.add_argument("--kitti", type=Path, help="folder of KITTI 2012, of which a crop goes first")
     parser.add_argument("--drop", type=float, default=0.01, help="share of packets that are lost (0.01)")
     parser.add_argument("--double", type=float, default=0.01, help="share of packets that come twice (0.01)")
+    parser.add_argument(
+        "--damage",
+        type=float,
+        default=0.01,
+        help="share of packets to the board with a wrong bit or cut off (0.01)",
+    )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "board" / "soak.json")
     args = parser.parse_args()
     totals = Totals()
     program = program_of("board-sim", DISPARITIES, BLOCK_PX, WIDTH_PX, ROWS)
-    options = ["--drop", args.drop, "--double", args.double, "--seed", args.seed]
+    options = ["--drop", args.drop, "--double", args.double, "--damage", args.damage, "--seed", args.seed]
     with running(program, *map(str, options)) as board:
         counts = run(board.port, args, totals)
     found = {

@@ -70,8 +70,13 @@ void Simulation::send(const uint8_t* payload, size_t bytes, uint16_t port) {
   active_ = clocks_;
   ++counts_.packets;
   Bytes frame = udp_frame(payload, bytes, port);
-  if (happens(faults_.damage, &counts_.damaged))
-    frame[kPreamble + random_() % (frame.size() - kPreamble)] ^= 1 << random_() % 8;
+  if (happens(faults_.damage, &counts_.damaged)) {
+    const size_t place = kPreamble + random_() % (frame.size() - kPreamble);
+    if (random_() % 2)
+      frame.resize(place);
+    else
+      frame[place] ^= 1 << random_() % 8;
+  }
   if (happens(faults_.drop, &counts_.dropped)) return;
   to_board_.push_back(frame);
   if (happens(faults_.twice, &counts_.doubled)) to_board_.push_back(frame);

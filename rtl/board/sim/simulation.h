@@ -13,7 +13,8 @@
 
 constexpr int kClockMhz = 45, kEthernetMhz = 125;
 
-// The share of packets, of both directions, that the link drops, doubles, or damages by a bit on the way to the board.
+// The share of packets, of both directions, that the link drops or doubles, and of those to the board that it damages:
+// half of these have a wrong bit, and half are cut off.
 struct Faults {
   double drop = 0, twice = 0, damage = 0;
   unsigned seed = 1;
