@@ -353,7 +353,8 @@ vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipelin
   w.space.planner = planner;
   w.space.t_ns = state->t_ns;
   w.space.radius_m = planner->radius_m + SIGMAS * state->position_sigma_m;
-  w.space.late_s = fmax(vista_seconds_between(seen->frame->t_ns, state->t_ns), 0.0);
+  const int64_t seen_ns = seen->frame->t_ns;
+  w.space.late_s = state->t_ns > seen_ns ? vista_seconds_between(seen_ns, state->t_ns) : 0.0;
   w.aim = vista_plan_aim_at(planner, &from, goal);
   w.arrived = !goal->passed && w.aim.distance_m < (circles(&w) ? ARRIVED_S * goal->speed_m_s : ARRIVED_M);
   vista_plan_stand(&w.space, state->position_m);

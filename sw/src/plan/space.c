@@ -10,7 +10,7 @@
 #include "space/space_map.h"
 
 #define NEAR_SHARE 0.5 /* of the radius, around a place that was seen to be free: free, */
-#define KEPT_NS INT64_C(8000000000) /* for so long */
+#define KEPT_S 8.0 /* for so long */
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
@@ -90,7 +90,7 @@ static void cube_of(const vista_plan_space *space, const double point_m[3], int6
 }
 
 static bool is_kept_near(const vista_plan_space *space, const vista_plan_seen *seen, const double point_m[3]) {
-  return seen->t_ns != 0 && space->t_ns - seen->t_ns < KEPT_NS &&
+  return seen->t_ns != 0 && vista_seconds_between(seen->t_ns, space->t_ns) < KEPT_S &&
          vista_distance(seen->point_m, point_m) <= NEAR_SHARE * space->planner->radius_m;
 }
 

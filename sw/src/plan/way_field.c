@@ -10,7 +10,7 @@
 
 #define GRID VISTA_PLAN_GRID
 #define CELL_SHARE 0.5 /* of the radius: the side of a cell */
-#define KEPT_NS INT64_C(60000000000)
+#define KEPT_S 60.0
 #define LEVEL_RADII 2.0 /* what was seen from farther above or below is on another way */
 #define NEAR_CELLS 4    /* around what stands: this far, cells are longer to pass, */
 #define NEAR_LENGTH 1.5f
@@ -48,7 +48,7 @@ static void mark(vista_planner *p, const double at[2], uint8_t kind, const vista
 /* What was seen of a cell at about this height of the vehicle. */
 static uint8_t kind_at(const vista_planner *p, int32_t x, int32_t y, double height_m, int64_t t_ns) {
   const vista_plan_cell *const cell = &p->cells[place_of(x, y)];
-  if (cell->x != x || cell->y != y || t_ns - cell->t_ns > KEPT_NS) return UNSEEN;
+  if (cell->x != x || cell->y != y || vista_seconds_between(cell->t_ns, t_ns) > KEPT_S) return UNSEEN;
   return fabs(cell->height_m - height_m) < LEVEL_RADII * p->radius_m ? cell->kind : UNSEEN;
 }
 
