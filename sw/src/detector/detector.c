@@ -90,11 +90,13 @@ static vista_status lay_out(vista_detector *d, vista_arena *arena, room *r) {
 vista_status vista_detector_bytes(const vista_parameters *parameters, const vista_rig *rig,
                                   const vista_detector_options *options, size_t *bytes) {
   if (parameters == NULL || rig == NULL || options == NULL || bytes == NULL) return VISTA_ERROR_ARGUMENT;
+  vista_status status = vista_parameters_check(parameters, NULL); /* before they are fitted */
+  if (status != VISTA_OK) return status;
   vista_detector trial = {.rig = *rig, .options = *options, .parameters = fitted(parameters, options)};
   vista_arena arena = {0};
   room r = {0};
   (void)vista_arena_take(&arena, 1, sizeof trial);
-  const vista_status status = lay_out(&trial, &arena, &r);
+  status = lay_out(&trial, &arena, &r);
   *bytes = arena.used + VISTA_ARENA_ALIGNMENT; /* the caller's memory need not be aligned */
   return status;
 }
@@ -103,6 +105,8 @@ vista_status vista_detector_create(void *memory, size_t bytes, const vista_param
                                    const vista_detector_options *options, vista_detector **detector) {
   if (memory == NULL || parameters == NULL || rig == NULL || options == NULL || detector == NULL)
     return VISTA_ERROR_ARGUMENT;
+  vista_status status = vista_parameters_check(parameters, NULL);
+  if (status != VISTA_OK) return status;
   vista_arena arena = {.base = memory, .size = bytes};
   room r = {0};
   vista_detector *const d = vista_arena_take(&arena, 1, sizeof *d);
@@ -110,7 +114,7 @@ vista_status vista_detector_create(void *memory, size_t bytes, const vista_param
   d->rig = *rig;
   d->options = *options;
   d->parameters = fitted(parameters, options);
-  vista_status status = lay_out(d, &arena, &r);
+  status = lay_out(d, &arena, &r);
   const vista_right_rectification right = right_of(rig);
   if (status == VISTA_OK && corrects(d))
     status =
