@@ -263,6 +263,11 @@ def test_refusals() -> None:
     detector.close()
     assert status_name(Detector(rig(rectify_rows=16)).status) == "VISTA_ERROR_RANGE"
     assert status_name(Detector(rig(camera=(8, 8, 300.0, 4.0, 4.0, 0.5))).status) == "VISTA_ERROR_SIZE"
+    contradictory = default_parameters()
+    contradictory.tracker.confirm_hits = 1 + contradictory.tracker.confirm_window
+    for stills in (False, True):  # stills, which are confirmed at once, too
+        refused = Detector(parameters=contradictory, stills=stills)
+        assert status_name(refused.status) == "VISTA_ERROR_RANGE"
 
 
 # ---- rectification ----
