@@ -146,6 +146,7 @@ static void look_anew(vista_detector *d) {
 void vista_detector_reset(vista_detector *d) {
   vista_detector_forget(d);
   look_anew(d);
+  d->levels.turn = 0;
   d->began = false;
   if (d->correction != NULL) vista_correction_reset(d->correction);
 }
