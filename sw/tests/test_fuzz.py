@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import run_fuzz
 
-RUNS = {"engine": 200, "pipeline": 120, "mavlink": 2000, "fly": 400}
+RUNS = {"engine": 200, "pipeline": 140, "mavlink": 2000, "fly": 400}
 
 pytestmark = [
     pytest.mark.slow,
