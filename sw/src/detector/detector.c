@@ -164,11 +164,12 @@ static vista_image kept(const vista_detector *d, const uint8_t *pixels) {
   return (vista_image){pixels, camera->width_px, camera->height_px, camera->width_px};
 }
 
-/* Bit for bit: the noise of a camera that works sees to it that no two images are alike. */
+/* Bit for bit: the noise of a camera that works sees to it that no two images are alike. Where the pair before had no
+ * image, what is kept is that of an older one. */
 static bool shows_the_same(const vista_detector *d, const vista_detector_pair *pair) {
   const vista_image left = kept(d, d->before[0]), right = kept(d, d->before[1]);
-  return pair->left.data != NULL && vista_same_image(&left, &pair->left) &&
-         (pair->right.data == NULL || vista_same_image(&right, &pair->right));
+  return pair->left.data != NULL && d->has_left && vista_same_image(&left, &pair->left) &&
+         (pair->right.data == NULL || (d->has_right && vista_same_image(&right, &pair->right)));
 }
 
 static vista_novelty novelty_of(const vista_detector *d, const vista_detector_pair *pair) {
