@@ -102,14 +102,22 @@ typedef struct work {
 
 static bool circles(const work *w) { return w->planner->params.vehicle == VISTA_PLAN_VEHICLE_FIXED_WING; }
 
-/* The trajectory of an option, in the points of the decision. side: of the circle of a fixed wing. */
-static bool fly(const work *w, const vista_plan_option *option, int32_t side) {
+static bool walk_on(void *walk, bool ends) { return vista_plan_walk_on(walk, ends); }
+
+/* The trajectory of an option, in the points of the decision. side: of the circle of a fixed wing. walk: looks along it;
+ * null: nobody does. */
+static bool fly_along(const work *w, const vista_plan_option *option, int32_t side, vista_plan_walk *walk) {
+  const vista_plan_visitor looks = {walk_on, walk}, *const visitor = walk == NULL ? NULL : &looks;
   double velocity_m_s[3];
   vista_plan_velocity(option, velocity_m_s);
-  if (!circles(w)) return vista_plan_multirotor(&w->planner->params, w->state, velocity_m_s, w->decision);
+  if (!circles(w)) return vista_plan_multirotor(&w->planner->params, w->state, velocity_m_s, visitor, w->decision);
   vista_plan_turning turning = {.side = side, .climb_m_s = vista_dot(w->state->up, velocity_m_s)};
   turning.at_once = !vista_plan_level(w->state->up, option->direction, turning.level);
-  return vista_plan_fixed_wing(&w->planner->params, w->state, &turning, w->decision);
+  return vista_plan_fixed_wing(&w->planner->params, w->state, &turning, visitor, w->decision);
+}
+
+static bool fly(const work *w, const vista_plan_option *option, int32_t side) {
+  return fly_along(w, option, side, NULL);
 }
 
 /* The side to which the circle is tried first: on with the turn. */
@@ -123,14 +131,13 @@ static int32_t circle_side(const work *w, const vista_plan_option *option) {
 static bool passes(work *w, vista_plan_option *option) {
   const int32_t side = circle_side(w, option);
   for (int32_t k = 0; k < (circles(w) ? 2 : 1); ++k) {
-    if (!fly(w, option, k == 0 ? side : -side)) {
-      option->ruling = VISTA_PLAN_BY_DYNAMICS;
-      return false;
-    }
-    if (vista_plan_check(&w->space, w->decision, false, option)) {
+    vista_plan_walk walk = {.space = &w->space, .plan = w->decision, .option = option, .next = 1};
+    option->ruling = VISTA_PLAN_BY_DYNAMICS;
+    if (fly_along(w, option, k == 0 ? side : -side, &walk)) {
       option->ruling = VISTA_PLAN_CHOSEN;
       return true;
     }
+    if (option->ruling == VISTA_PLAN_BY_DYNAMICS) return false;
     if (option->after_s <= w->decision->escape_s)
       return false; /* before a circle begins: in the way of the other, too */
   }

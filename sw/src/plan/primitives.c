@@ -99,8 +99,12 @@ static bool is_still(const vista_plan_setpoint *now) {
   return vista_norm(now->velocity_m_s) < STILL_M_S && vista_norm(now->acceleration_m_s2) < 10.0 * STILL_M_S;
 }
 
+static bool goes_on(const vista_plan_visitor *visitor, bool ends) {
+  return visitor == NULL || visitor->visit(visitor->context, ends);
+}
+
 bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
-                           vista_plan_decision *plan) {
+                           const vista_plan_visitor *visitor, vista_plan_decision *plan) {
   static const double stop[3] = {0.0, 0.0, 0.0};
   vista_plan_setpoint now = {0};
   memcpy(now.position_m, state->position_m, sizeof now.position_m);
@@ -123,6 +127,7 @@ bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_sta
     plan->points[plan->point_count] = now;
     sway(state->up, state->t_ns, STEP_S * plan->point_count, 1.0, &plan->points[plan->point_count]);
     ++plan->point_count;
+    if (!goes_on(visitor, done)) return false;
     if (done) return true;
   }
   return false;
@@ -191,7 +196,7 @@ static bool begin_wing(const vista_plan_params *params, const vista_plan_state *
 }
 
 /* A circle that ends where it began, in whole steps. */
-static bool circle(wing *w, int32_t side, vista_plan_decision *plan) {
+static bool circle(wing *w, int32_t side, const vista_plan_visitor *visitor, vista_plan_decision *plan) {
   const double rate_rad_s = GRAVITY_M_S2 * vista_plan_tangent(w->most_rad) / w->speed_m_s;
   const double steps = ceil(TURN_RAD / (rate_rad_s * WING_STEP_S));
   plan->circle_from = plan->point_count - 1;
@@ -199,6 +204,7 @@ static bool circle(wing *w, int32_t side, vista_plan_decision *plan) {
   for (double k = 0.0; k < steps; ++k) {
     turn_by(w, side * TURN_RAD / steps, WING_STEP_S);
     plan->points[plan->point_count++] = w->now;
+    if (!goes_on(visitor, k + 1.0 == steps)) return false;
   }
   return true;
 }
@@ -216,7 +222,8 @@ static void stand(const vista_plan_state *state, vista_plan_decision *plan) {
 }
 
 bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_state *state,
-                           const vista_plan_turning *turning, vista_plan_decision *plan) {
+                           const vista_plan_turning *turning, const vista_plan_visitor *visitor,
+                           vista_plan_decision *plan) {
   wing w;
   if (!begin_wing(params, state, &w)) {
     stand(state, plan);
@@ -224,13 +231,14 @@ bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_sta
   }
   plan->step_s = WING_STEP_S;
   plan->escape_s = turning->at_once ? 0.0 : WING_COMMIT_S;
+  plan->circle_from = VISTA_PLAN_MOST_POINTS; /* it will come, and whoever looks has to know */
   plan->points[0] = w.now;
   plan->point_count = 1;
   while (plan->point_count < VISTA_PLAN_MOST_POINTS / 2) {
     const bool escapes = WING_STEP_S * (plan->point_count - 1) >= plan->escape_s - 0.5 * WING_STEP_S;
     const double wanted_rad = turning->side * w.most_rad;
     if (escapes && fabs(w.bank_rad - wanted_rad) < 1e-6 && fabs(w.climb_m_s) < 1e-6)
-      return circle(&w, turning->side, plan);
+      return circle(&w, turning->side, visitor, plan);
     double left[3];
     left_of(&w, left);
     const double ahead = vista_dot(w.level, turning->level), aside = vista_dot(left, turning->level);
@@ -240,6 +248,8 @@ bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_sta
     else
       bank(&w, BANK_PER_SINE * sine, turning->climb_m_s, WING_STEP_S);
     plan->points[plan->point_count++] = w.now;
+    if (!goes_on(visitor, false)) return false;
   }
+  plan->circle_from = -1;
   return false;
 }

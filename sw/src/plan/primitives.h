@@ -21,10 +21,18 @@
 /* The distance that a multirotor of this speed needs to stop, the time for leaning included. */
 double vista_plan_stop_m(const vista_plan_params *params, double speed_m_s);
 
+/* Who looks at a trajectory while it comes to be, since most are ruled out by their first points: `visit` is called after
+ * each point but the first, and stops it with false. ends: it is the last point. */
+typedef struct vista_plan_visitor {
+  bool (*visit)(void *context, bool ends);
+  void *context;
+} vista_plan_visitor;
+
 /* Fills the points of *plan in from the state on, with escape_s, step_s and circle_from: a multirotor is led to this
- * velocity, and then to a stop. The headings are that of the state. False: it does not come to an end within the points. */
+ * velocity, and then to a stop. The headings are that of the state. visitor: null where there is none. False: it does not
+ * come to an end within the points, or the visitor stopped it. */
 bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
-                           vista_plan_decision *plan);
+                           const vista_plan_visitor *visitor, vista_plan_decision *plan);
 
 /* The same of a fixed wing: it turns to a level direction of unit length and climbs at this rate, and then flies a circle to
  * the left (side 1) or to the right (-1), level. At once: the circle alone. The headings are those of its flight. */
@@ -35,7 +43,8 @@ typedef struct vista_plan_turning {
 } vista_plan_turning;
 
 bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_state *state,
-                           const vista_plan_turning *turning, vista_plan_decision *plan);
+                           const vista_plan_turning *turning, const vista_plan_visitor *visitor,
+                           vista_plan_decision *plan);
 
 /* Turns the heading of all points towards a level direction of unit length, from that of the state on. */
 void vista_plan_turn(const vista_plan_state *state, const double towards[3], vista_plan_decision *plan);

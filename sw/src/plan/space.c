@@ -171,35 +171,50 @@ static double apart_m(const vista_plan_space *space, const double point_m[3]) {
   return fmax(APART_SHARE * space->radius_m, VISTA_PLACE_STEP_SHARE * range_m);
 }
 
-bool vista_plan_check(vista_plan_space *space, vista_plan_decision *plan, bool occupied_alone,
-                      vista_plan_option *option) {
-  double last_m[3], point_m[3];
-  plan->escape_seen = true;
-  memcpy(last_m, plan->points[0].position_m, sizeof last_m);
-  for (int32_t k = 1; k < plan->point_count; ++k) {
+/* Whether what is known of a place after so long lets the option pass. */
+static bool lets_pass(const vista_plan_walk *walk, const vista_plan_place *place, double after_s, bool last) {
+  vista_plan_decision *const plan = walk->plan;
+  if (place->ruling == VISTA_PLAN_CHOSEN || (walk->occupied_alone && !place->occupied)) return true;
+  const bool circles = plan->circle_from >= 0 && after_s > plan->escape_s;
+  const bool later = place->ruling == VISTA_PLAN_BY_UNKNOWN && after_s > CIRCLE_KNOWN_S;
+  if (circles && (later || place->ruling == VISTA_PLAN_BY_VIEW)) {
+    plan->escape_seen = false;
+    return true;
+  }
+  return place->stood && (!last || walk->option->primitive == VISTA_PLAN_STOP);
+}
+
+bool vista_plan_walk_on(vista_plan_walk *walk, bool ends) {
+  const vista_plan_decision *const plan = walk->plan;
+  double point_m[3];
+  if (walk->next == 1) {
+    walk->plan->escape_seen = true;
+    memcpy(walk->last_m, plan->points[0].position_m, sizeof walk->last_m);
+  }
+  for (; walk->next < plan->point_count; ++walk->next) {
+    const int32_t k = walk->next;
     const double *const from_m = plan->points[k - 1].position_m, *const to_m = plan->points[k].position_m;
-    const double pieces = fmax(ceil(vista_distance(from_m, to_m) / apart_m(space, to_m)), 1.0);
+    const double pieces = fmax(ceil(vista_distance(from_m, to_m) / apart_m(walk->space, to_m)), 1.0);
     for (double piece = 1.0; piece <= pieces; ++piece) {
       for (int i = 0; i < 3; ++i) point_m[i] = from_m[i] + piece / pieces * (to_m[i] - from_m[i]);
-      const bool last = k + 1 == plan->point_count && piece == pieces;
-      if (!last && vista_distance(point_m, last_m) < apart_m(space, point_m) - 1e-9) continue;
+      const bool last = ends && k + 1 == plan->point_count && piece == pieces;
+      if (!last && vista_distance(point_m, walk->last_m) < apart_m(walk->space, point_m) - 1e-9) continue;
       const double after_s = (k - 1 + piece / pieces) * plan->step_s;
-      const vista_plan_place place = vista_plan_look(space, point_m, after_s);
-      memcpy(last_m, point_m, sizeof last_m);
-      const bool circles = plan->circle_from >= 0 && after_s > plan->escape_s;
-      if (place.ruling == VISTA_PLAN_CHOSEN || (occupied_alone && !place.occupied)) continue;
-      const bool later = place.ruling == VISTA_PLAN_BY_UNKNOWN && after_s > CIRCLE_KNOWN_S;
-      if (circles && (later || place.ruling == VISTA_PLAN_BY_VIEW)) {
-        plan->escape_seen = false;
-        continue;
-      }
-      if (place.stood && (!last || option->primitive == VISTA_PLAN_STOP)) continue;
-      option->ruling = place.ruling;
-      option->obstacle_id = place.obstacle_id;
-      option->after_s = after_s;
-      memcpy(option->where_m, point_m, sizeof option->where_m);
+      const vista_plan_place place = vista_plan_look(walk->space, point_m, after_s);
+      memcpy(walk->last_m, point_m, sizeof walk->last_m);
+      if (lets_pass(walk, &place, after_s, last)) continue;
+      walk->option->ruling = place.ruling;
+      walk->option->obstacle_id = place.obstacle_id;
+      walk->option->after_s = after_s;
+      memcpy(walk->option->where_m, point_m, sizeof walk->option->where_m);
       return false;
     }
   }
   return true;
+}
+
+bool vista_plan_check(vista_plan_space *space, vista_plan_decision *plan, bool occupied_alone,
+                      vista_plan_option *option) {
+  vista_plan_walk walk = {space, plan, option, occupied_alone, 1, {0}};
+  return vista_plan_walk_on(&walk, true);
 }

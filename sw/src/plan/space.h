@@ -55,8 +55,20 @@ void vista_plan_stand(vista_plan_space *space, const double point_m[3]);
 /* What is known of a place, so long after the state. */
 vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s);
 
-/* Looks along the trajectory of an option up to the first place that is not free, where the option gets its ruling.
- * occupied_alone: what is unknown does not count. True: all of it is free. plan->escape_seen says whether all was seen. */
+/* A look along the trajectory of an option, up to the first place that is not free. */
+typedef struct vista_plan_walk {
+  vista_plan_space *space;
+  vista_plan_decision *plan; /* its points; escape_seen: all of the escape was seen to be free */
+  vista_plan_option *option; /* gets its ruling at that place */
+  bool occupied_alone; /* what is unknown does not count */
+  int32_t next; /* point, from 1 on: those before it were looked at */
+  double last_m[3]; /* place that was looked at */
+} vista_plan_walk;
+
+/* Looks on, up to the last point that there is by now. ends: the trajectory ends there. True: all of it is free. */
+bool vista_plan_walk_on(vista_plan_walk *walk, bool ends);
+
+/* Looks along a whole trajectory. */
 bool vista_plan_check(vista_plan_space *space, vista_plan_decision *plan, bool occupied_alone,
                       vista_plan_option *option);
 
