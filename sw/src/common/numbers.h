@@ -32,6 +32,7 @@ static inline void vista_cross(const double a[3], const double b[3], double prod
 /* The lower median of a few numbers, which it sorts. */
 static inline double vista_lower_median(double *values, int32_t count) {
   for (int32_t k = 1; k < count; ++k) {
+    /* NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): who counts values has set them */
     const double value = values[k];
     int32_t at = k;
     for (; at > 0 && values[at - 1] > value; --at) values[at] = values[at - 1];

@@ -44,6 +44,7 @@ static bool piece_of(const vista_frame_view *frame, const vista_thin_line *line,
   for (int end = 0; end < 2; ++end) {
     const double t = end == 0 ? first : last;
     vista_thin_point(line, frame->camera, t, camera_m);
+    /* cppcheck-suppress legacyUninitvar ; it is what is set here */
     vista_frame_to_world(&frame->motion.pose, camera_m, end == 0 ? piece->from_m : to_m);
     const double share = vista_thin_sigma_px(line, t) / vista_thin_disparity_px(line, t);
     piece->sigma_m = fmax(piece->sigma_m, share * vista_norm(camera_m));

@@ -87,9 +87,9 @@ static void find_borders(const vista_foveation *g, borders *b) {
 
 static bool surely_inside(const borders *b, int32_t ring, int32_t sector, double du, double dv) {
   const double rho2 = du * du + dv * dv;
-  if (ring < 0) return rho2 < b->rho2[0] * (1.0 - NEAR);
   /* NOLINTBEGIN(clang-analyzer-core.UndefinedBinaryOperatorResult,clang-analyzer-security.ArrayBound): a cell has
    * borders on all its sides */
+  if (ring < 0) return rho2 < b->rho2[0] * (1.0 - NEAR);
   return rho2 > b->rho2[ring] * (1.0 + NEAR) && rho2 < b->rho2[ring + 1] * (1.0 - NEAR) &&
          b->ray_u[sector] * dv - b->ray_v[sector] * du > NEAR &&
          b->ray_v[sector + 1] * du - b->ray_u[sector + 1] * dv > NEAR;
