@@ -30,10 +30,11 @@ fuzz-targets: $(FUZZ_TARGETS:%=$(FUZZ)/%)
 $(FUZZ_CLANG): scripts/setup_clang.sh scripts/debian_packages.sh scripts/requirements/clang.txt
 	@scripts/setup_clang.sh
 
-$(FUZZ)/obj/%.o: %.c $(FUZZ_CLANG)
+# make does not see that flags have changed: they are in this file.
+$(FUZZ)/obj/%.o: %.c $(FUZZ_CLANG) sw/fuzz/fuzz.mk
 	@mkdir -p $(@D); $(FUZZ_CC) $(FUZZ_CFLAGS) -Isw/include -Isw/src -Imodel/c/include -Irtl/csr -Irtl/board -MMD -MP -c $< -o $@
 
-$(FUZZ)/plain/%.o: %.c $(FUZZ_CLANG)
+$(FUZZ)/plain/%.o: %.c $(FUZZ_CLANG) sw/fuzz/fuzz.mk
 	@mkdir -p $(@D); $(FUZZ_CC) -g -O2 -std=c17 -Imodel/c/include -MMD -MP -c $< -o $@
 
 # With all checks, their inlined kernels take clang a minute each.

@@ -99,7 +99,7 @@ static bool is_still(const vista_plan_setpoint *now) {
   return vista_norm(now->velocity_m_s) < STILL_M_S && vista_norm(now->acceleration_m_s2) < 10.0 * STILL_M_S;
 }
 
-static bool goes_on(const vista_plan_visitor *visitor, bool ends) {
+static bool wanted_on(const vista_plan_visitor *visitor, bool ends) {
   return visitor == NULL || visitor->visit(visitor->context, ends);
 }
 
@@ -127,7 +127,7 @@ bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_sta
     plan->points[plan->point_count] = now;
     sway(state->up, state->t_ns, STEP_S * plan->point_count, 1.0, &plan->points[plan->point_count]);
     ++plan->point_count;
-    if (!goes_on(visitor, done)) return false;
+    if (!wanted_on(visitor, done)) return false;
     if (done) return true;
   }
   return false;
@@ -204,7 +204,7 @@ static bool circle(wing *w, int32_t side, const vista_plan_visitor *visitor, vis
   for (double k = 0.0; k < steps; ++k) {
     turn_by(w, side * TURN_RAD / steps, WING_STEP_S);
     plan->points[plan->point_count++] = w->now;
-    if (!goes_on(visitor, k + 1.0 == steps)) return false;
+    if (!wanted_on(visitor, k + 1.0 == steps)) return false;
   }
   return true;
 }
@@ -248,7 +248,7 @@ bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_sta
     else
       bank(&w, BANK_PER_SINE * sine, turning->climb_m_s, WING_STEP_S);
     plan->points[plan->point_count++] = w.now;
-    if (!goes_on(visitor, false)) return false;
+    if (!wanted_on(visitor, false)) return false;
   }
   plan->circle_from = -1;
   return false;
