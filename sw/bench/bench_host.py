@@ -125,7 +125,7 @@ def recordings(folder: Path) -> Iterator[tuple[str, Path]]:
 def play(path: Path, repeats: int, threads: int) -> tuple[Samples, list[dict]]:
     """Milliseconds of every frame by stage, and the frames of one run."""
     samples, lines = played(path, repeats, threads)
-    beside = ("rectify", "stereo", "alignment", "watch")
+    beside = ("rectify", "stereo", "alignment", "watch", "latency")
     host = {name: ms for name, ms in samples.items() if name not in beside}
     frames = [json.loads(line) for line in lines[: len(lines) // repeats]]
     return host, [frame | {"processing_ms": 0.0} for frame in frames]

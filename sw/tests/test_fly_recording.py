@@ -193,7 +193,7 @@ def test_parameters_travel_in_the_file(tmp_path: Path, prepared: Path) -> None:
         (["--rig"], "--rig: takes a value"),
         (["--rig", "x", "--shared", "y", "--repeat"], "--repeat: goes with --recording"),
         (["--rig", "x", "--shared", "y", "--times", "z"], "--times: goes with --recording"),
-        (["--recording", "x", "--times", "z"], "--times: goes with --all-frames"),
+        (["--recording", "x", "--times", "z", "--repeat"], "--times: goes with --passes"),
         (["--recording", "x", "--passes", "2", "--repeat"], "--passes: does not go with --repeat"),
         (["--recording", "x", "--frames", "0"], "--frames: 0 is not from 1"),
         (["--recording", "x", "--frames", "2x"], "--frames: 2x is not from 1"),

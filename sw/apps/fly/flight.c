@@ -170,14 +170,16 @@ static void process(flight *f, const shot *s) {
   vista_detector_result found;
   const double start_ms = processor_ms(f);
   if (!detect(f, s, &found)) return;
-  if (f->times.rows != NULL) times_add(&f->times, &found, processor_ms(f) - start_ms);
+  const double cpu_ms = processor_ms(f) - start_ms;
   f->aligned = found.alignment;
   f->alignments += found.alignment.changed;
   if (f->options.to != NULL) autopilot_tell(&f->autopilot, &found, s->exposed_ns);
   if (f->options.has_goal) pilot_decide(&f->pilot, &f->autopilot, f->detector, s->t_ns, s->exposed_ns);
   write_line(f, s, &found);
   ++f->processed;
-  vista_latency_add(&f->latency, 1e-6 * (double)(fly_now_ns() - s->exposed_ns));
+  const double latency_ms = 1e-6 * (double)(fly_now_ns() - s->exposed_ns);
+  vista_latency_add(&f->latency, latency_ms);
+  if (f->times.rows != NULL) times_add(&f->times, &found, cpu_ms, latency_ms);
 }
 
 static void watch(flight *f) {

@@ -33,7 +33,7 @@ const char *const options_help =
     "  --frames N             the first N frames of a recording alone\n"
     "  --passes N             play a recording N times\n"
     "  --threads N            threads of the host, in place of what the recording says\n"
-    "  --times FILE           the times of all stages of each frame, as comma-separated values; with --all-frames\n"
+    "  --times FILE           the times of all stages of each frame of a recording, as comma-separated values\n"
     "  --watchdog S           end when a thread stands still for so long, to be started again (default 3)\n"
     "  --version, --help\n"
     "\n"
@@ -141,7 +141,6 @@ static bool check(const options *o, problem *p) {
     return problem_say(p, "--rig", "is not needed: a recording holds its own");
   if (of_recordings != NULL && o->recording == NULL) return problem_say(p, of_recordings, "goes with --recording");
   if (o->repeat && o->passes > 0.0) return problem_say(p, "--passes", "does not go with --repeat");
-  if (o->times != NULL && !o->all_frames) return problem_say(p, "--times", "goes with --all-frames");
   if (o->times != NULL && o->repeat) return problem_say(p, "--times", "goes with --passes, not with --repeat");
   if (o->poses_from_mavlink && o->to == NULL) return problem_say(p, "--poses mavlink", "needs --to");
   if (o->poses_from_mavlink && o->all_frames)

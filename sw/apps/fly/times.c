@@ -9,13 +9,17 @@ enum { RECTIFY, STEREO, ALIGNMENT, WATCH, FIRST_STAGE };
 
 static const char *const before_the_stages[FIRST_STAGE] = {"rectify", "stereo", "alignment", "watch"};
 
-/* What is before the stages, the stages, the time of all stages together, and that of the processor. */
-static int column_count(void) { return FIRST_STAGE + vista_stage_count() + 2; }
+enum { HOST, CPU, LATENCY, BEHIND_STAGES };
+
+static const char *const behind_the_stages[BEHIND_STAGES] = {"host", "cpu", "latency"};
+
+/* What is before the stages, the stages, the time of all stages together, that of the processor, and the latency. */
+static int column_count(void) { return FIRST_STAGE + vista_stage_count() + BEHIND_STAGES; }
 
 static const char *column_name(int column) {
   const int behind = column - FIRST_STAGE - vista_stage_count();
   if (column < FIRST_STAGE) return before_the_stages[column];
-  return behind < 0 ? vista_stage_name(column - FIRST_STAGE) : behind == 0 ? "host" : "cpu";
+  return behind < 0 ? vista_stage_name(column - FIRST_STAGE) : behind_the_stages[behind];
 }
 
 bool times_make(times *t, int64_t most, problem *p) {
@@ -25,7 +29,7 @@ bool times_make(times *t, int64_t most, problem *p) {
 
 void times_free(times *t) { free(t->rows); }
 
-void times_add(times *t, const vista_detector_result *found, double cpu_ms) {
+void times_add(times *t, const vista_detector_result *found, double cpu_ms, double latency_ms) {
   if (t->count == t->most) return;
   double *const row = t->rows + t->count++ * column_count();
   const int32_t stages = vista_stage_count();
@@ -34,8 +38,10 @@ void times_add(times *t, const vista_detector_result *found, double cpu_ms) {
   row[ALIGNMENT] = found->alignment_ms;
   row[WATCH] = found->watch_ms;
   memcpy(row + FIRST_STAGE, found->result.stage_ms, (size_t)stages * sizeof *row);
-  row[FIRST_STAGE + stages] = found->result.host_ms;
-  row[FIRST_STAGE + stages + 1] = cpu_ms;
+  double *const behind = row + FIRST_STAGE + stages;
+  behind[HOST] = found->result.host_ms;
+  behind[CPU] = cpu_ms;
+  behind[LATENCY] = latency_ms;
 }
 
 bool times_write(const times *t, const char *path, problem *p) {

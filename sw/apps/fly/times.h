@@ -16,8 +16,8 @@ typedef struct times {
 bool times_make(times *t, int64_t most, problem *p);
 void times_free(times *t);
 
-/* cpu_ms: what the frame took of the processor. */
-void times_add(times *t, const vista_detector_result *found, double cpu_ms);
+/* cpu_ms: what the frame took of the processor. latency_ms: from its exposure until all was told of it. */
+void times_add(times *t, const vista_detector_result *found, double cpu_ms, double latency_ms);
 
 bool times_write(const times *t, const char *path, problem *p);
 

@@ -170,12 +170,16 @@ def rectified_source(camera: Calibration, stills: bool = False, up_world: Array 
     return Sequence("rectified", "pairs", raw, frames=(), up_world=up_world, stills=stills)
 
 
-def played(path: Path, passes: int, threads: int = 1) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
-    """Plays a recording with vista-fly. Returns the milliseconds of each frame by stage, pass after pass, and
-    the lines of all frames. Raises InputError with what vista-fly says."""
+def played(
+    path: Path, passes: int, threads: int = 1, paced: bool = False
+) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
+    """Plays a recording with vista-fly, all frames one after the other, or paced, as fast as they were taken,
+    where a frame may give way to a newer one. Returns the milliseconds of each frame by stage and pass,
+    and the lines of all frames. Raises InputError with what vista-fly says."""
     with TemporaryDirectory() as folder:
         times = Path(folder, "times.csv")
-        command = [str(native.program_path("vista-fly", "build")), "--recording", str(path), "--all-frames"]
+        command = [str(native.program_path("vista-fly", "build")), "--recording", str(path)]
+        command += [] if paced else ["--all-frames"]
         command += ["--passes", str(passes), "--threads", str(threads), "--times", str(times), "--out", "-"]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
