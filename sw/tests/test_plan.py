@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from plan_library import AHEAD, RADIUS_M, UP, Flight, Planner, distance_m, goal_of, seen_world, state_of
 from random_seed import seeded
-from space_library import UNMATCHED, Space, Wall, scene
+from space_library import SPACE_FRAMES, UNMATCHED, Space, Wall, scene
 from stage_library import ffi, lib
+from track_library import SECOND
 
 
 def test_before_open_space_it_flies_straight_at_the_speed_of_the_goal() -> None:
@@ -160,6 +161,44 @@ def test_what_was_seen_to_be_free_stays_so_for_a_while_when_it_leaves_the_view()
         state = state_of(t_s=1.5 + seconds)
         decision = planner.decide(space, state, goal_of(speed_m_s=3.0))
         assert (decision.action != "holds") == known
+
+
+def test_what_has_just_come_into_view_is_not_free_yet() -> None:
+    """One frame in three that has a place in view is too few to be right about it."""
+    for frames, action in ((3, "holds"), (4, "proceeds")):
+        assert Planner().decide(seen_world(frames=frames), state_of(), goal_of()).action == action
+
+
+def test_out_of_view_a_place_is_free_as_far_as_what_was_seen_around_it() -> None:
+    """All of the radius was seen from 3 m, 0.6 m of it from 1.2 m; half of it has to be left."""
+    planner, space = Planner(), seen_world()
+
+    def is_free(x_m: float, z_m: float, t_s: float = 1.0) -> bool:
+        asked = ffi.new("vista_plan_space *")
+        asked.seen.frame, asked.seen.space = space.frame, space.handle
+        asked.planner, asked.t_ns, asked.radius_m = planner.handle, round(t_s * SECOND), RADIUS_M
+        return bool(lib.vista_plan_look(asked, [x_m, 0.0, z_m], 0.0).ruling == lib.VISTA_PLAN_CHOSEN)
+
+    assert is_free(0.0, 1.2) and is_free(0.0, 3.0)
+    space.reset()
+    for k in range(SPACE_FRAMES):
+        space.take(scene((), 20.0, np.array([0.0, 0.0, 30.0])), 2.0 + 0.1 * k)
+    near, far = ([is_free(x_m, z_m, 3.0) for x_m in (0.05, 0.3, 0.55)] for z_m in (1.2, 3.0))
+    assert near == [True, False, False] and far == [True, True, False]
+
+
+def test_what_is_too_near_is_not_in_the_way_of_getting_away_from_it() -> None:
+    """The vehicle flies on beside it, and not before it."""
+    for position, passes in (([-0.5, 0.0, 0.3], True), ([0.0, 0.0, 0.8], False)):
+        thing = {
+            "id": 7,
+            "confirmed": True,
+            "position_m": position,
+            "extent_m": [0.2, 0.2],
+            "covariance_m2": (1e-4 * np.eye(3)).ravel().tolist(),
+        }
+        decision = Planner().decide(seen_world(), state_of(), goal_of(), [thing])
+        assert (decision.action == "proceeds") == passes
 
 
 def lengths(planner: Planner, **state) -> set[float]:

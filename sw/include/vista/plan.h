@@ -142,11 +142,11 @@ typedef struct vista_plan_cell {
   int64_t t_ns;
 } vista_plan_cell;
 
-/* A place that was seen to be free, as wide as the vehicle. */
+/* A place that was seen to be free. */
 typedef struct vista_plan_seen {
   double point_m[3];
+  double radius_m; /* of the ball around it that was seen; 0: nobody saw it, but the vehicle was there */
   int64_t t_ns; /* 0: none */
-  bool stood; /* nobody saw it, but the vehicle was there */
 } vista_plan_seen;
 
 /* A planner, in memory of the caller. Its members are the library's own. */

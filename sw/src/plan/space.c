@@ -9,7 +9,8 @@
 #include "space/path_places.h"
 #include "space/space_map.h"
 
-#define NEAR_SHARE 0.5 /* of the radius, around a place that was seen to be free: free, */
+#define AGREE_FRAMES 4 /* that have a place in view before it counts as free */
+#define ROOM_SHARE 0.5 /* of the radius: how far around a place out of view what was seen of it has to be free, */
 #define KEPT_S 8.0 /* for so long */
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
@@ -30,9 +31,9 @@ static double sigma_along_m(const double covariance_m2[9], const double axis[3])
   return sqrt(fmax(variance, 0.0));
 }
 
-/* Whether the board that stands for an obstacle at `at_m`, facing the camera, reaches into a ball around a point. */
-static bool reaches(const vista_plan_space *space, const vista_obstacle *o, const double at_m[3], double sigma_m,
-                    const double point_m[3]) {
+/* From a point to the board that stands for an obstacle at `at_m`, facing the camera; squared. */
+static double apart2_m2(const vista_plan_space *space, const vista_obstacle *o, const double at_m[3], double sigma_m,
+                        const double point_m[3]) {
   const vista_frame_view *const frame = space->seen.frame;
   double sight[3], aside[3], up[3], apart[3];
   for (int i = 0; i < 3; ++i) {
@@ -44,7 +45,7 @@ static bool reaches(const vista_plan_space *space, const vista_obstacle *o, cons
   for (int i = 0; i < 3; ++i) sight[i] /= fmax(range_m, 1e-3);
   vista_cross(sight, up, aside);
   const double upright = vista_norm(aside);
-  if (!(upright > 1e-3)) return vista_norm(apart) < space->radius_m + 0.5 * o->extent_m[0];
+  if (!(upright > 1e-3)) return vista_square(fmax(vista_norm(apart) - 0.5 * o->extent_m[0], 0.0));
   for (int i = 0; i < 3; ++i) aside[i] /= upright;
   vista_cross(aside, sight, up);
   const double half_m = 0.5 * fmin(o->extent_m[0], WIDEST_M);
@@ -52,12 +53,13 @@ static bool reaches(const vista_plan_space *space, const vista_obstacle *o, cons
   const double y = fmax(fabs(vista_dot(apart, up)) - 0.5 * o->extent_m[1] - sigma_m, 0.0);
   const double deep_m = fmax(sigma_along_m(o->covariance_m2, sight) * SIGMAS, 0.5 * half_m);
   const double z = fmax(fabs(vista_dot(apart, sight)) - deep_m, 0.0);
-  return x * x + y * y + z * z < vista_square(space->radius_m);
+  return x * x + y * y + z * z;
 }
 
 static bool moves(const vista_obstacle *o) { return o->world == VISTA_WORLD_MOVES; }
 
-/* The confirmed obstacle that is at a point then; null: none. What moves, or what stands. */
+/* The confirmed obstacle that is at a point then; null: none. What moves, or what stands: what is nearer than the radius
+ * already is not in the way of getting away from it. */
 static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool moving, const double point_m[3],
                                          double after_s) {
   for (int32_t k = 0; k < space->seen.obstacle_count; ++k) {
@@ -71,7 +73,11 @@ static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool mov
       for (int i = 0; i < 3; ++i) at_m[i] += later_s * track->velocity_m_s[i];
       sigma_m = SIGMAS * later_s * sqrt(fmax((c[21] + c[28] + c[35]) / 3.0, 0.0));
     }
-    if (reaches(space, o, at_m, fmin(sigma_m, WIDEST_M), point_m)) return o;
+    sigma_m = fmin(sigma_m, WIDEST_M);
+    const double apart_m2 = apart2_m2(space, o, at_m, sigma_m, point_m);
+    if (apart_m2 < vista_square(space->radius_m) &&
+        (moving || apart_m2 < apart2_m2(space, o, at_m, sigma_m, space->start_m)))
+      return o;
   }
   return NULL;
 }
@@ -86,15 +92,23 @@ static vista_plan_seen *seen_in(const vista_plan_space *space, const int64_t cub
 }
 
 static void cube_of(const vista_plan_space *space, const double point_m[3], int64_t cube[3]) {
-  for (int i = 0; i < 3; ++i) cube[i] = (int64_t)floor(point_m[i] / (NEAR_SHARE * space->planner->radius_m));
+  for (int i = 0; i < 3; ++i) cube[i] = (int64_t)floor(point_m[i] / (ROOM_SHARE * space->planner->radius_m));
 }
 
-static bool is_kept_near(const vista_plan_space *space, const vista_plan_seen *seen, const double point_m[3]) {
-  return seen->t_ns != 0 && vista_seconds_between(seen->t_ns, space->t_ns) < KEPT_S &&
-         vista_distance(seen->point_m, point_m) <= NEAR_SHARE * space->planner->radius_m;
+static bool is_kept(const vista_plan_space *space, const vista_plan_seen *seen) {
+  return seen->t_ns != 0 && vista_seconds_between(seen->t_ns, space->t_ns) < KEPT_S;
 }
 
-/* A place that was free, half a radius away at most; null: none. One that was seen comes before one that was stood at. */
+/* Whether what is kept says that a point is free: the ball that was seen leaves enough room around it. Where the vehicle
+ * was, it has stood as near. */
+static bool covers(const vista_plan_space *space, const vista_plan_seen *seen, const double point_m[3]) {
+  const double around_m = seen->radius_m > 0.0 ? seen->radius_m : space->planner->radius_m;
+  const double room_m = ROOM_SHARE * (seen->radius_m > 0.0 ? space->radius_m : space->planner->radius_m);
+  return is_kept(space, seen) && vista_distance(seen->point_m, point_m) <= around_m - room_m;
+}
+
+/* What says that a place is free which is out of view; null: nothing. What was seen comes before where the vehicle
+ * stood. */
 static const vista_plan_seen *free_near(const vista_plan_space *space, const double point_m[3]) {
   const vista_plan_seen *found = NULL;
   int64_t cube[3], beside[3];
@@ -104,28 +118,32 @@ static const vista_plan_seen *free_near(const vista_plan_space *space, const dou
     beside[1] = cube[1] + k / 3 % 3 - 1;
     beside[2] = cube[2] + k / 9 - 1;
     const vista_plan_seen *const seen = seen_in(space, beside);
-    if (!is_kept_near(space, seen, point_m)) continue;
-    if (!seen->stood) return seen;
+    if (!covers(space, seen, point_m)) continue;
+    if (seen->radius_m > 0.0) return seen;
     found = seen;
   }
   return found;
 }
 
-static void keep(const vista_plan_space *space, const double point_m[3], bool is_free, bool stood) {
+/* Keeps that the ball of this radius around a place is free; or forgets it, if it is not, unless a smaller one was. A
+ * larger one that was seen from farther away says more. radius_m 0: the vehicle stands there. */
+static void keep(const vista_plan_space *space, const double point_m[3], double radius_m, bool is_free) {
   int64_t cube[3];
   cube_of(space, point_m, cube);
   vista_plan_seen *const seen = seen_in(space, cube);
-  if (is_free) {
+  const bool near = vista_distance(seen->point_m, point_m) <= ROOM_SHARE * space->planner->radius_m;
+  const bool known = is_kept(space, seen) && near, larger = known && seen->radius_m > radius_m && radius_m > 0.0;
+  if (is_free && !larger) {
     memcpy(seen->point_m, point_m, sizeof seen->point_m);
+    seen->radius_m = radius_m;
     seen->t_ns = space->t_ns;
-    seen->stood = stood;
-  } else if (is_kept_near(space, seen, point_m)) {
+  } else if (!is_free && known && !(seen->radius_m > 0.0 && seen->radius_m < radius_m)) {
     seen->t_ns = 0;
   }
 }
 
 void vista_plan_stand(vista_plan_space *space, const double point_m[3]) {
-  if (free_near(space, point_m) == NULL) keep(space, point_m, true, true);
+  if (free_near(space, point_m) == NULL) keep(space, point_m, 0.0, true);
 }
 
 /* What stands at a place, or is known of it. */
@@ -136,11 +154,12 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   if (thing != NULL && thing->kind == VISTA_OBSTACLE_GROUND) place.ground = true;
   if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = true;
   place.probability = vista_path_place_probability(&place);
-  const bool in_view = place.shown.frames > 0, occupied = vista_path_place_is_occupied(&place);
-  const bool is_seen_free = in_view && vista_path_place_is_free_now(&place);
-  if (in_view) keep(space, point_m, is_seen_free, false);
+  const bool occupied = vista_path_place_is_occupied(&place), agreed = place.shown.frames >= AGREE_FRAMES;
+  const bool in_view = agreed || place.shown.votes + place.shown.feet > 0; /* or else it has just come into view */
+  const bool is_seen_free = agreed && vista_path_place_is_free_now(&place);
+  if (in_view) keep(space, point_m, vista_space_map_fits_m(space->seen.space, point_m, space->radius_m), is_seen_free);
   const vista_plan_seen *const seen = in_view ? NULL : free_near(space, point_m);
-  if (is_seen_free || (seen != NULL && !seen->stood && place.shown.lines == 0)) return is_free;
+  if (is_seen_free || (seen != NULL && seen->radius_m > 0.0 && place.shown.lines == 0)) return is_free;
   if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, occupied || !in_view, seen != NULL};
   if (occupied) return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = true};
   return (vista_plan_place){.ruling = in_view ? VISTA_PLAN_BY_UNKNOWN : VISTA_PLAN_BY_VIEW, .stood = seen != NULL};

@@ -128,12 +128,17 @@ static range range_around(const vista_camera *camera, double depth_m, double dee
   return at;
 }
 
+/* The radius of a ball at this depth that fits into the view. */
+static double fitting_m(double depth_m, double radius_m) {
+  return depth_m > NEAREST_SHARE * radius_m ? fmin(radius_m, FIT_SHARE * depth_m) : radius_m;
+}
+
 static looks look_through(const vista_evidence *e, const vista_camera *camera, const double point_m[3], double radius_m,
                           double deep_m) {
   looks l = {0};
   double c[3];
   vista_frame_to_camera(&e->pose, point_m, c);
-  if (deep_m > 0.0 && c[2] > NEAREST_SHARE * radius_m) radius_m = fmin(radius_m, FIT_SHARE * c[2]);
+  if (deep_m > 0.0) radius_m = fitting_m(c[2], radius_m);
   if (!(c[2] > radius_m)) return l; /* the camera is in it, or beyond it */
   const double scale = camera->focal_px / c[2];
   disc d = {.u = (camera->center_u_px + scale * c[0]) / e->step_px,
@@ -249,6 +254,12 @@ static vista_place_evidence look(const vista_space_map *map, const double point_
 
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m) {
   return look(map, point_m, radius_m, 0.0);
+}
+
+double vista_space_map_fits_m(const vista_space_map *map, const double point_m[3], double radius_m) {
+  double c[3];
+  vista_frame_to_camera(&vista_space_map_frame(map, 0)->pose, point_m, c);
+  return fitting_m(c[2], radius_m);
 }
 
 vista_place_evidence vista_space_map_look_around(const vista_space_map *map, const double point_m[3], double radius_m) {

@@ -54,6 +54,9 @@ void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, co
 /* What is known of the disc of this radius around a point of the world, as deep as the map can tell. */
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m);
 
+/* The radius of the ball around a point that fits into the view of the newest frame, and no more than that. */
+double vista_space_map_fits_m(const vista_space_map *map, const double point_m[3], double radius_m);
+
 /* What is known of the ball of this radius, all of its depth. A frame that it does not fit into the view of tells of as
  * much as does. */
 vista_place_evidence vista_space_map_look_around(const vista_space_map *map, const double point_m[3], double radius_m);
