@@ -31,9 +31,10 @@ static double sigma_along_m(const double covariance_m2[9], const double axis[3])
   return sqrt(fmax(variance, 0.0));
 }
 
-/* From a point to the board that stands for an obstacle at `at_m`, facing the camera; squared. */
+/* From a point to the board that stands for an obstacle at `at_m`, facing the camera; squared. The board is wider by
+ * sigma_m, and as deep as so many standard deviations of its position. */
 static double apart2_m2(const vista_plan_space *space, const vista_obstacle *o, const double at_m[3], double sigma_m,
-                        const double point_m[3]) {
+                        double sigmas, const double point_m[3]) {
   const vista_frame_view *const frame = space->seen.frame;
   double sight[3], aside[3], up[3], apart[3];
   for (int i = 0; i < 3; ++i) {
@@ -51,7 +52,7 @@ static double apart2_m2(const vista_plan_space *space, const vista_obstacle *o, 
   const double half_m = 0.5 * fmin(o->extent_m[0], WIDEST_M);
   const double x = fmax(fabs(vista_dot(apart, aside)) - half_m - sigma_m, 0.0);
   const double y = fmax(fabs(vista_dot(apart, up)) - 0.5 * o->extent_m[1] - sigma_m, 0.0);
-  const double deep_m = fmax(sigma_along_m(o->covariance_m2, sight) * SIGMAS, 0.5 * half_m);
+  const double deep_m = fmax(sigma_along_m(o->covariance_m2, sight) * sigmas, 0.5 * half_m);
   const double z = fmax(fabs(vista_dot(apart, sight)) - deep_m, 0.0);
   return x * x + y * y + z * z;
 }
@@ -73,10 +74,9 @@ static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool mov
       for (int i = 0; i < 3; ++i) at_m[i] += later_s * track->velocity_m_s[i];
       sigma_m = SIGMAS * later_s * sqrt(fmax((c[21] + c[28] + c[35]) / 3.0, 0.0));
     }
-    sigma_m = fmin(sigma_m, WIDEST_M);
-    const double apart_m2 = apart2_m2(space, o, at_m, sigma_m, point_m);
-    if (apart_m2 < vista_square(space->radius_m) &&
-        (moving || apart_m2 < apart2_m2(space, o, at_m, sigma_m, space->start_m)))
+    const double apart_m2 = apart2_m2(space, o, at_m, fmin(sigma_m, WIDEST_M), SIGMAS, point_m);
+    if (!(apart_m2 < vista_square(space->radius_m))) continue;
+    if (moving || apart2_m2(space, o, at_m, 0.0, 0.0, point_m) < apart2_m2(space, o, at_m, 0.0, 0.0, space->start_m))
       return o;
   }
   return NULL;
