@@ -9,7 +9,7 @@
 #include "space/path_places.h"
 #include "space/space_map.h"
 
-#define AGREE_FRAMES 4 /* that have a place in view before it counts as free */
+#define AGREE_FRAMES 4 /* that have a place in view before it is free by what they see */
 #define ROOM_SHARE 0.5 /* of the radius: how far around a place out of view what was seen of it has to be free, */
 #define KEPT_S 8.0 /* for so long */
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
@@ -154,9 +154,10 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   if (thing != NULL && thing->kind == VISTA_OBSTACLE_GROUND) place.ground = true;
   if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = true;
   place.probability = vista_path_place_probability(&place);
-  const bool occupied = vista_path_place_is_occupied(&place), agreed = place.shown.frames >= AGREE_FRAMES;
-  const bool in_view = agreed || place.shown.votes + place.shown.feet > 0; /* or else it has just come into view */
-  const bool is_seen_free = agreed && vista_path_place_is_free_now(&place);
+  const int32_t frames = place.shown.frames;
+  const bool occupied = vista_path_place_is_occupied(&place), free_now = vista_path_place_is_free_now(&place);
+  const bool in_view = frames >= AGREE_FRAMES || (frames > 0 && !free_now); /* or else it has just come into view */
+  const bool is_seen_free = in_view && free_now;
   if (in_view) keep(space, point_m, vista_space_map_fits_m(space->seen.space, point_m, space->radius_m), is_seen_free);
   const vista_plan_seen *const seen = in_view ? NULL : free_near(space, point_m);
   if (is_seen_free || (seen != NULL && seen->radius_m > 0.0 && place.shown.lines == 0)) return is_free;

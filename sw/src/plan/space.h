@@ -3,11 +3,11 @@
  * Places stand along it as far apart as the map can tell them apart, each a ball of the collision radius and twice the
  * error of the position. What the last frames show of a place is weighed as on the flight path (path_places.h), with the
  * confirmed obstacles that reach into it; and the newest frame that has it in view has to see through it, too. What
- * fewer than four frames have in view, and match nothing at, has just come into view and tells nothing yet. A place that
- * was seen to be free counts as free for some seconds after it has left the view, as far around it as half the radius of
- * the ball that was seen is left: near the vehicle only a small one fits into the view. So the vehicle can go back where
- * it came from, and turn its camera to other ways. What stands nearer than the radius does not rule out ways on which the
- * vehicle comes no nearer to it. What moves by itself is where it will be at that time.
+ * fewer than four frames have in view has just come into view: it is not free by what they see, but may be known not to
+ * be. A place that was seen to be free counts as free for some seconds after it has left the view, as far around it as
+ * half the radius of the ball that was seen is left: near the vehicle only a small one fits into the view. So the vehicle
+ * can go back where it came from, and turn its camera to other ways. What stands nearer than the radius does not rule out
+ * ways on which the vehicle comes no nearer to it. What moves by itself is where it will be at that time.
  *
  * The circle of a fixed wing is wider than the view. What is out of view on it counts as free, and so does what is hidden,
  * from 1.5 s ahead on. If hidden places ruled the circle out, the aircraft would always turn away from what hides
