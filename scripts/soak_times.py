@@ -46,17 +46,21 @@ def prepare(sequence: Path, folder: Path) -> Path:
     command = [sys.executable, "-m", "vista", "prepare", str(sequence), "--out", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
-        raise InputError(str(sequence), done.stderr.strip())
+        raise InputError("vista prepare", done.stderr.strip().removeprefix("vista: "))
     return folder / "frames.vista"
 
 
-def passes_of(recording: Path, slice_s: float) -> tuple[int, int]:
-    """How often a recording is played to fill a slice of time, and the frames that it has."""
+def passes_of(recording: Path, slice_s: float) -> int:
+    """How often a recording is played to fill a slice of time."""
     start_s = time.monotonic()
-    samples, _ = played(recording, 1, paced=True)
-    frames = len(played(recording, 1)[0]["host"])
-    assert len(samples["host"]) <= frames
-    return max(1, round(slice_s / (time.monotonic() - start_s))), frames
+    played(recording, 1, paced=True)
+    return max(1, round(slice_s / (time.monotonic() - start_s)))
+
+
+def turns(names: list[str], random: np.random.Generator) -> Iterator[str]:
+    """The recordings in an order that is drawn anew each time that all have had their turn, without end."""
+    while True:
+        yield from map(str, random.permutation(names))
 
 
 def row(name: str, ms: NDArray[np.float64]) -> tuple[str, ...]:
@@ -77,6 +81,7 @@ def tables(flown: dict[str, list[Samples]], given: int) -> list[Table]:
     single = [
         row(name, np.concatenate([samples["latency"] for samples in found]))
         for name, found in sorted(flown.items())
+        if found
     ]
     return [Table("mixed", ("of", *HEADS), whole), Table("mixed-recordings", ("recording", *HEADS), single)]
 
@@ -85,29 +90,36 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("sequence", nargs="+", type=Path)
-    parser.add_argument("--duration", type=float, default=3600.0, metavar="S")
-    parser.add_argument("--slice", type=float, default=30.0, metavar="S")
-    parser.add_argument("--load", type=int, default=1, metavar="PROGRAMS")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--save", type=Path)
+    parser.add_argument("sequence", nargs="+", type=Path, help="recordings, as `vista run` takes them")
+    parser.add_argument(
+        "--duration", type=float, default=3600.0, metavar="S", help="of it all (default 3600)"
+    )
+    parser.add_argument("--slice", type=float, default=30.0, metavar="S", help="of a turn (default 30)")
+    parser.add_argument(
+        "--load", type=int, default=1, metavar="N", help="programs that compute meanwhile (default 1)"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="of the order of the recordings (default 1)")
+    parser.add_argument("--save", type=Path, metavar="FILE.json", help="where to write the tables")
     arguments = parser.parse_args()
+    names = [path.name for path in arguments.sequence]
+    if len(set(names)) < len(names):
+        parser.error("two recordings have the same name")
     random = np.random.default_rng(arguments.seed)
-    flown: dict[str, list[Samples]] = {}
+    flown: dict[str, list[Samples]] = {name: [] for name in names}
     given = 0
     with ExitStack() as stack:
         scratch = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        recordings = {path.name: prepare(path, scratch / str(k)) for k, path in enumerate(arguments.sequence)}
+        recordings = {path.name: prepare(path, scratch / path.name) for path in arguments.sequence}
         passes = {name: passes_of(path, arguments.slice) for name, path in recordings.items()}
+        frames = {name: len(played(path, 1)[1]) for name, path in recordings.items()}
         stack.enter_context(loaded(arguments.load))
         end_s = time.monotonic() + arguments.duration
-        while time.monotonic() < end_s:
-            for name in random.permutation(sorted(recordings)):
-                samples, _ = played(recordings[name], passes[name][0], paced=True)
-                flown.setdefault(name, []).append(samples)
-                given += passes[name][0] * passes[name][1]
-                if time.monotonic() >= end_s:
-                    break
+        for name in turns(names, random):
+            samples, _ = played(recordings[name], passes[name], paced=True)
+            flown[name].append(samples)
+            given += passes[name] * frames[name]
+            if time.monotonic() >= end_s:
+                break
     found = tables(flown, given)
     print("\n\n".join(table.as_text() for table in found))
     if arguments.save is not None:
@@ -116,4 +128,10 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except InputError as error:
+        print(f"soak_times: {error}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -169,22 +169,41 @@ def test_what_has_just_come_into_view_is_not_free_yet() -> None:
         assert Planner().decide(seen_world(frames=frames), state_of(), goal_of()).action == action
 
 
+def is_free(planner: Planner, space: Space, point, t_s: float) -> bool:
+    """The planner's own look at a place, with what it keeps of earlier ones."""
+    asked = ffi.new("vista_plan_space *")
+    asked.seen.frame, asked.seen.space = space.frame, space.handle
+    asked.planner, asked.t_ns, asked.radius_m = planner.handle, round(t_s * SECOND), RADIUS_M
+    return bool(lib.vista_plan_look(asked, list(map(float, point)), 0.0).ruling == lib.VISTA_PLAN_CHOSEN)
+
+
+def look_from(space: Space, z_m: float, t_s: float) -> None:
+    space.take(scene((), 20.0, np.array([0.0, 0.0, z_m])), t_s, up_camera=UP)
+
+
+def free_beside(planner: Planner, z_m: float) -> list[bool]:
+    """Points 0.05, 0.3 and 0.55 m beside one that has left the view."""
+    space = Space(collision_radius_m=RADIUS_M)
+    for k in range(SPACE_FRAMES):
+        look_from(space, 30.0, 2.0 + 0.1 * k)
+    return [is_free(planner, space, (x_m, 0.0, z_m), 3.0) for x_m in (0.05, 0.3, 0.55)]
+
+
 def test_out_of_view_a_place_is_free_as_far_as_what_was_seen_around_it() -> None:
     """All of the radius was seen from 3 m, 0.6 m of it from 1.2 m; half of it has to be left."""
     planner, space = Planner(), seen_world()
+    assert is_free(planner, space, (0.0, 0.0, 1.2), 1.0) and is_free(planner, space, (0.0, 0.0, 3.0), 1.0)
+    assert free_beside(planner, 1.2) == [True, False, False]
+    assert free_beside(planner, 3.0) == [True, True, False]
 
-    def is_free(x_m: float, z_m: float, t_s: float = 1.0) -> bool:
-        asked = ffi.new("vista_plan_space *")
-        asked.seen.frame, asked.seen.space = space.frame, space.handle
-        asked.planner, asked.t_ns, asked.radius_m = planner.handle, round(t_s * SECOND), RADIUS_M
-        return bool(lib.vista_plan_look(asked, [x_m, 0.0, z_m], 0.0).ruling == lib.VISTA_PLAN_CHOSEN)
 
-    assert is_free(0.0, 1.2) and is_free(0.0, 3.0)
-    space.reset()
+def test_what_the_vehicle_has_passed_was_seen_as_far_as_the_last_frame_that_had_it_in_view() -> None:
+    """The newest frame is 0.2 m before it; the one before saw 0.6 m around it, from 1.2 m."""
+    planner, space = Planner(), Space(collision_radius_m=RADIUS_M)
     for k in range(SPACE_FRAMES):
-        space.take(scene((), 20.0, np.array([0.0, 0.0, 30.0])), 2.0 + 0.1 * k)
-    near, far = ([is_free(x_m, z_m, 3.0) for x_m in (0.05, 0.3, 0.55)] for z_m in (1.2, 3.0))
-    assert near == [True, False, False] and far == [True, True, False]
+        look_from(space, 0.2 * k if k + 1 < SPACE_FRAMES else 1.8, 1.0 + 0.1 * k)
+    assert is_free(planner, space, (0.0, 0.0, 2.0), 1.5)
+    assert free_beside(planner, 2.0) == [True, False, False]
 
 
 def test_what_is_too_near_is_not_in_the_way_of_getting_away_from_it() -> None:

@@ -99,12 +99,12 @@ static bool is_kept(const vista_plan_space *space, const vista_plan_seen *seen) 
   return seen->t_ns != 0 && vista_seconds_between(seen->t_ns, space->t_ns) < KEPT_S;
 }
 
-/* Whether what is kept says that a point is free: the ball that was seen leaves enough room around it. Where the vehicle
- * was, it has stood as near. */
+/* Whether what is kept says that a point is free: the ball that was seen leaves enough room around it; or the vehicle
+ * stood near it. */
 static bool covers(const vista_plan_space *space, const vista_plan_seen *seen, const double point_m[3]) {
-  const double around_m = seen->radius_m > 0.0 ? seen->radius_m : space->planner->radius_m;
-  const double room_m = ROOM_SHARE * (seen->radius_m > 0.0 ? space->radius_m : space->planner->radius_m);
-  return is_kept(space, seen) && vista_distance(seen->point_m, point_m) <= around_m - room_m;
+  const double reach_m =
+      seen->radius_m > 0.0 ? seen->radius_m - ROOM_SHARE * space->radius_m : ROOM_SHARE * space->planner->radius_m;
+  return is_kept(space, seen) && vista_distance(seen->point_m, point_m) <= reach_m;
 }
 
 /* What says that a place is free which is out of view; null: nothing. What was seen comes before where the vehicle
@@ -125,25 +125,32 @@ static const vista_plan_seen *free_near(const vista_plan_space *space, const dou
   return found;
 }
 
-/* Keeps that the ball of this radius around a place is free; or forgets it, if it is not, unless a smaller one was. A
- * larger one that was seen from farther away says more. radius_m 0: the vehicle stands there. */
-static void keep(const vista_plan_space *space, const double point_m[3], double radius_m, bool is_free) {
+/* What is kept of the cube of a point, if it was near to it; null: nothing. */
+static vista_plan_seen *kept_at(const vista_plan_space *space, const double point_m[3]) {
   int64_t cube[3];
   cube_of(space, point_m, cube);
   vista_plan_seen *const seen = seen_in(space, cube);
   const bool near = vista_distance(seen->point_m, point_m) <= ROOM_SHARE * space->planner->radius_m;
-  const bool known = is_kept(space, seen) && near, larger = known && seen->radius_m > radius_m && radius_m > 0.0;
-  if (is_free && !larger) {
-    memcpy(seen->point_m, point_m, sizeof seen->point_m);
-    seen->radius_m = radius_m;
-    seen->t_ns = space->t_ns;
-  } else if (!is_free && known && !(seen->radius_m > 0.0 && seen->radius_m < radius_m)) {
-    seen->t_ns = 0;
-  }
+  return is_kept(space, seen) && near ? seen : NULL;
+}
+
+/* Keeps that the ball of this radius around a place is free; 0: that the vehicle stands there. */
+static void keep(const vista_plan_space *space, const double point_m[3], double radius_m) {
+  int64_t cube[3];
+  cube_of(space, point_m, cube);
+  *seen_in(space, cube) = (vista_plan_seen){{point_m[0], point_m[1], point_m[2]}, radius_m, space->t_ns};
+}
+
+/* Keeps what was seen of the ball around a place. A larger one that was seen from farther away says more of what is free,
+ * and a smaller one may be free where this one is not. */
+static void keep_seen(const vista_plan_space *space, const double point_m[3], double radius_m, bool is_free) {
+  vista_plan_seen *const kept = kept_at(space, point_m);
+  if (is_free && (kept == NULL || kept->radius_m <= radius_m)) keep(space, point_m, radius_m);
+  if (!is_free && kept != NULL && (kept->radius_m >= radius_m || kept->radius_m == 0.0)) kept->t_ns = 0;
 }
 
 void vista_plan_stand(vista_plan_space *space, const double point_m[3]) {
-  if (free_near(space, point_m) == NULL) keep(space, point_m, 0.0, true);
+  if (free_near(space, point_m) == NULL) keep(space, point_m, 0.0);
 }
 
 /* What stands at a place, or is known of it. */
@@ -158,7 +165,7 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   const bool occupied = vista_path_place_is_occupied(&place), free_now = vista_path_place_is_free_now(&place);
   const bool in_view = frames >= AGREE_FRAMES || (frames > 0 && !free_now); /* or else it has just come into view */
   const bool is_seen_free = in_view && free_now;
-  if (in_view) keep(space, point_m, vista_space_map_fits_m(space->seen.space, point_m, space->radius_m), is_seen_free);
+  if (in_view) keep_seen(space, point_m, place.shown.radius_m, is_seen_free);
   const vista_plan_seen *const seen = in_view ? NULL : free_near(space, point_m);
   if (is_seen_free || (seen != NULL && seen->radius_m > 0.0 && place.shown.lines == 0)) return is_free;
   if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, occupied || !in_view, seen != NULL};

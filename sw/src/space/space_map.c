@@ -75,6 +75,7 @@ static inline void add_match(matched *m, int32_t column, int32_t row, int32_t wo
 /* How the lines of sight of one frame end that lead to a disc. */
 typedef struct looks {
   int32_t asked, all, beyond;
+  double radius_m; /* of the disc */
   matched at, feet;
 } looks;
 
@@ -128,17 +129,13 @@ static range range_around(const vista_camera *camera, double depth_m, double dee
   return at;
 }
 
-/* The radius of a ball at this depth that fits into the view. */
-static double fitting_m(double depth_m, double radius_m) {
-  return depth_m > NEAREST_SHARE * radius_m ? fmin(radius_m, FIT_SHARE * depth_m) : radius_m;
-}
-
 static looks look_through(const vista_evidence *e, const vista_camera *camera, const double point_m[3], double radius_m,
                           double deep_m) {
   looks l = {0};
   double c[3];
   vista_frame_to_camera(&e->pose, point_m, c);
-  if (deep_m > 0.0) radius_m = fitting_m(c[2], radius_m);
+  if (deep_m > 0.0 && c[2] > NEAREST_SHARE * radius_m) radius_m = fmin(radius_m, FIT_SHARE * c[2]);
+  l.radius_m = radius_m;
   if (!(c[2] > radius_m)) return l; /* the camera is in it, or beyond it */
   const double scale = camera->focal_px / c[2];
   disc d = {.u = (camera->center_u_px + scale * c[0]) / e->step_px,
@@ -210,7 +207,10 @@ static void take_looks(vista_place_evidence *found, const vista_evidence *e, con
   const bool foot = l->feet.count >= FOOT_SHARE * l->all && beyond < FOOT_BEYOND;
   if (votes && found->votes == 0) place_at(found, e, &l->at, age);
   if (foot && found->disparity_px == 0.0) place_at(found, e, &l->feet, age);
-  if (found->frames++ == 0) found->beyond_newest = beyond;
+  if (found->frames++ == 0) {
+    found->beyond_newest = beyond;
+    found->radius_m = l->radius_m;
+  }
   found->votes += votes;
   found->feet += foot;
   found->beyond += (beyond - found->beyond) / found->frames;
@@ -254,12 +254,6 @@ static vista_place_evidence look(const vista_space_map *map, const double point_
 
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m) {
   return look(map, point_m, radius_m, 0.0);
-}
-
-double vista_space_map_fits_m(const vista_space_map *map, const double point_m[3], double radius_m) {
-  double c[3];
-  vista_frame_to_camera(&vista_space_map_frame(map, 0)->pose, point_m, c);
-  return fitting_m(c[2], radius_m);
 }
 
 vista_place_evidence vista_space_map_look_around(const vista_space_map *map, const double point_m[3], double radius_m) {

@@ -35,7 +35,8 @@ typedef struct vista_place_evidence {
   int32_t feet;   /* of these, in which something without texture stands on ground that is matched there */
   int32_t lines;  /* frames in which a thin thing was found that passes through it, and is kept (kept_lines.h) */
   double beyond;  /* share of the lines of sight that are known to go on beyond it, mean of the frames */
-  double beyond_newest; /* that of the newest of these frames */
+  double beyond_newest; /* that of the newest of these frames, */
+  double radius_m;      /* and how far around the place that one looked: no farther than fits into its view */
   /* What is matched there in the newest frame that votes, or else in the newest that shows a foot, or the thin thing. */
   double u_px, v_px, disparity_px; /* mean; disparity_px 0: there is no such frame */
   double spread_px; /* standard deviation of the disparity */
@@ -53,9 +54,6 @@ void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, co
 
 /* What is known of the disc of this radius around a point of the world, as deep as the map can tell. */
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m);
-
-/* The radius of the ball around a point that fits into the view of the newest frame, and no more than that. */
-double vista_space_map_fits_m(const vista_space_map *map, const double point_m[3], double radius_m);
 
 /* What is known of the ball of this radius, all of its depth. A frame that it does not fit into the view of tells of as
  * much as does. */
