@@ -13,6 +13,7 @@ from pathlib import Path
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 from vista.recording import ANEW, FRAME, HAS_POSE, HAS_UP, HEAD, MAGIC, PARAMETER, VERSION, Content
 
+ENGINE = "<B8HB3HB2HIB"  # parameters, whether they match, columns, rows, bands, what is shown, stride
 EYE = (1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0)
 
 
@@ -107,8 +108,9 @@ def seeds() -> dict[str, bytes]:
     lost_pose = [*approach[:2], bytes([0x00]) + scene(1, 1, 230, 40), approach[3]]
     absurd = struct.pack("<3d", 1e200, 1e200, 1e200)
     return {
-        "engine/texture": struct.pack("<B8HBHHHHBBI", 0, 1, 3, 1, 30, 0, 15, 2, 0, 1, 50, 20, 1, 6, 1, 0, 7),
-        "engine/ties": struct.pack("<B8HBHHHHBBI", 0, 3, 0, 0, 62, 0, 0, 0, 0, 1, 40, 12, 2, 3, 2, 1, 9),
+        "engine/texture": struct.pack(ENGINE, 0, 1, 3, 1, 30, 1, 15, 2, 0, 1, 13, 5, 1, 1, 6, 3, 7, 0),
+        "engine/ties": struct.pack(ENGINE, 0, 2, 0, 0, 62, 0, 0, 0, 0, 1, 19, 3, 2, 2, 3, 0, 9, 1),
+        "engine/rows_apart": struct.pack(ENGINE, 0, 1, 0, 1, 30, 0, 15, 2, 0, 1, 17, 5, 3, 3, 5, 0, 8, 2),
         "engine/anything": struct.pack("<BBi", 255, 255, -1) + bytes(range(90)),
         "pipeline/approach": pipeline(camera(), approach),
         "pipeline/pose lost": pipeline(camera(), lost_pose),

@@ -45,7 +45,7 @@ $(FUZZ)/obj/sw/apps/fly/%.o: FUZZ_CFLAGS += -D_GNU_SOURCE
 # To tell the fuzzer of each comparison took two thirds of the time of a frame, and what it tells, the numbers that a byte
 # is compared with, is of use only where bytes are parsed.
 FUZZ_FAST = -O2 $(if $(FUZZ_HAS_CLANG),-fno-sanitize-coverage=trace-cmp)
-$(FUZZ)/obj/sw/src/%.o: FUZZ_CFLAGS += $(FUZZ_FAST)
+$(FUZZ)/obj/sw/src/%.o $(FUZZ)/obj/model/c/src/%.o: FUZZ_CFLAGS += $(FUZZ_FAST)
 $(FUZZ)/obj/sw/src/link/mavlink/%.o: FUZZ_FAST =
 # What draws the scenes is not what is looked at.
 $(FUZZ)/obj/sw/fuzz/fuzz_pipeline.o: FUZZ_CFLAGS += $(FUZZ_FAST) -fno-sanitize=undefined,float-cast-overflow

@@ -1,12 +1,30 @@
 /* The engine on images and parameters of any kind: no error of memory or arithmetic, every instruction set gives the
  * words of the portable code, and bands of rows together give those of the whole image. */
 #include <stdbool.h>
+#include <stdio.h>
 
 #include "input.h"
 #include "vista/engine.h"
 
-#define ROWS_MAX 28
-#define COLUMNS_MAX 64 /* and those that have no disparity */
+/* Most of a frame; columns: beside those that have no disparity. What sizes depend on, such as a last group of columns or
+ * of disparities, is met in small frames, which take a hundredth of the time; one input in 512 is of any size. */
+typedef struct limits {
+  int32_t rows, columns, disparities;
+} limits;
+
+static const limits SMALL = {6, 20, 48}, LARGE = {28, 64, 256};
+#define SMALL_OF 512
+
+/* Of all bytes: whatever the fuzzer changes, the share of large frames stays. */
+static limits read_limits(const fuzz_input *input) {
+  uint32_t hash = 2166136261u; /* FNV-1a */
+  for (size_t i = 0; i < input->size; ++i) hash = (hash ^ input->data[i]) * 16777619u;
+  return (hash >> 16) % SMALL_OF == 0 ? LARGE : SMALL;
+}
+
+static int64_t frames; /* whose words were compared and have a disparity */
+
+__attribute__((destructor)) static void tell(void) { fprintf(stderr, "stat::frames: %lld\n", (long long)frames); }
 
 typedef struct frame {
   vista_engine_params params;
@@ -17,30 +35,46 @@ static int32_t valid_or_any(fuzz_input *input, bool any, int32_t low, int32_t st
   return any ? fuzz_int32(input) : low + step * fuzz_between(input, 0, count - 1);
 }
 
-static vista_engine_params read_params(fuzz_input *input) {
+static vista_engine_params read_params(fuzz_input *input, limits most) {
   const uint8_t any =
       fuzz_byte(input) == 255 ? fuzz_byte(input) : 0; /* a bit for each field that may be out of range */
+  const int32_t disparities = valid_or_any(input, any & 1, 16, 16, most.disparities / 16);
+  const int32_t block = valid_or_any(input, any & 2, 5, 2, 9);
+  const int32_t texture_step = block >= 5 && block <= 21 ? block * block / 8 : 1; /* noise passes at most of these */
   return (vista_engine_params){
-      .num_disparities = valid_or_any(input, any & 1, 16, 16, 16),
-      .block_size = valid_or_any(input, any & 2, 5, 2, 9),
+      .num_disparities = disparities,
+      .block_size = block,
       .prefilter = valid_or_any(input, any & 4, 0, 1, 2),
       .prefilter_cap = valid_or_any(input, any & 8, 1, 1, 63),
-      .texture_threshold = valid_or_any(input, any & 16, 0, 100, 300),
+      .texture_threshold = valid_or_any(input, any & 16, 0, texture_step, 100),
       .uniqueness_ratio = valid_or_any(input, any & 32, 0, 1, 101),
       .lr_max_diff = valid_or_any(input, any & 64, -1, 1, 300),
       .isa = valid_or_any(input, any & 128, 0, 1, 4),
   };
 }
 
-/* Bytes of the input, noise of one seed shifted by a few pixels, or few grey levels: many ties. */
-static void draw(fuzz_input *input, uint8_t *pixels, const vista_engine_images *images, ptrdiff_t stride, int32_t shift,
-                 uint8_t kind, uint32_t seed) {
+/* What the images show: bytes of the input, noise, noise of two grey levels (many ties), rows of noise with disparities
+ * of their own. */
+enum { KIND_BYTES, KIND_NOISE, KIND_TWO_LEVELS, KIND_ROWS_APART, KINDS };
+
+typedef struct content {
+  int32_t kind;
+  int32_t shift, disparities; /* of noise: its disparity is the rest of one by the other, of rows apart row by row */
+  int32_t error;              /* grey levels that a pixel may be off in the right image */
+  uint32_t seed;
+} content;
+
+static void draw(fuzz_input *input, uint8_t *pixels, const vista_engine_images *images, ptrdiff_t stride, content c) {
   for (int32_t v = 0; v < images->height; ++v) {
-    uint32_t state = (seed + 2654435761u * (uint32_t)v) | 1;
+    uint32_t state = (c.seed + 2654435761u * (uint32_t)v) | 1;
+    const int32_t shift = (c.kind == KIND_ROWS_APART ? c.shift * v : c.shift) % c.disparities;
     for (int32_t skipped = 0; skipped < shift; ++skipped) (void)fuzz_random(&state);
     for (int32_t u = 0; u < images->width; ++u) {
-      const uint32_t noise = fuzz_random(&state) >> 8;
-      pixels[v * stride + u] = kind == 0 ? fuzz_byte(input) : kind == 1 ? (uint8_t)noise : (uint8_t)(noise % 2 * 255);
+      const uint32_t noise = (fuzz_random(&state) >> 8) + (uint32_t)((5 * u + 3 * v) % (c.error + 1));
+      uint8_t *const pixel = &pixels[v * stride + u];
+      *pixel = c.kind == KIND_BYTES        ? fuzz_byte(input)
+               : c.kind == KIND_TWO_LEVELS ? (uint8_t)(noise % 2 * 255)
+                                           : (uint8_t)noise;
     }
   }
 }
@@ -61,8 +95,8 @@ static void compute(const frame *f, int32_t isa, int32_t bands, int16_t *words, 
   free(scratch);
 }
 
-/* The words of every instruction set, in bands, against those of the portable code. */
-static void compare(const frame *f, int32_t bands) {
+/* The words of every instruction set, in bands, against those of the portable code. True if one is a disparity. */
+static bool compare(const frame *f, int32_t bands) {
   const size_t pixels = (size_t)f->images.width * (size_t)f->images.height;
   int16_t *const expected = fuzz_allocate(pixels * sizeof *expected), *const words =
                                                                           fuzz_allocate(pixels * sizeof *words);
@@ -82,12 +116,15 @@ static void compare(const frame *f, int32_t bands) {
         memcmp(confidence, expected_confidence, pixels * sizeof *confidence) != 0)
       abort();
   }
+  bool matched = false;
+  for (size_t i = 0; i < pixels; ++i) matched |= expected[i] >= 0;
   free(confidence);
   free(expected_confidence);
   free(smin);
   free(expected_smin);
   free(words);
   free(expected);
+  return matched;
 }
 
 /* A call that the engine may refuse, with sizes, strides, rows and scratch of any value: what it refuses it does not
@@ -116,24 +153,28 @@ static void try_anything(fuzz_input *input, frame f, int16_t *words) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   fuzz_input input = {data, size};
-  frame f = {.params = read_params(&input)};
+  const limits most = read_limits(&input);
+  frame f = {.params = read_params(&input, most)};
   const bool matched = fuzz_byte(&input) % 8 != 0 && f.params.num_disparities > 0 && f.params.num_disparities <= 256;
-  f.images.width = fuzz_between(&input, 1, COLUMNS_MAX) + (matched ? f.params.num_disparities : 0);
-  f.images.height = fuzz_between(&input, 1, ROWS_MAX);
-  const int32_t bands = fuzz_between(&input, 1, 4), shift = fuzz_between(&input, 0, 40);
-  const uint8_t kind = fuzz_byte(&input) % 3, room = fuzz_byte(&input) % 3;
-  const uint32_t seed = (uint32_t)fuzz_int32(&input);
+  const int32_t around = matched && f.params.block_size >= 5 && f.params.block_size <= 21 ? f.params.block_size - 1 : 0;
+  f.images.width = fuzz_between(&input, 1, most.columns) + (matched ? f.params.num_disparities + around : 0);
+  f.images.height = fuzz_between(&input, 1, most.rows) + around;
+  const int32_t bands = fuzz_between(&input, 1, 4);
+  const content shown = {fuzz_byte(&input) % KINDS, fuzz_between(&input, 0, 255),
+                         matched ? f.params.num_disparities : 1, fuzz_between(&input, 0, 9),
+                         (uint32_t)fuzz_int32(&input)};
+  const uint8_t room = fuzz_byte(&input) % 3;
   f.images.left_stride = f.images.width + room;
   f.images.right_stride = f.images.width;
   const size_t rows = (size_t)f.images.height;
   uint8_t *const left = fuzz_allocate(rows * (size_t)f.images.left_stride - room);
   uint8_t *const right = fuzz_allocate(rows * (size_t)f.images.width);
   fuzz_input anything = input;
-  draw(&input, left, &f.images, f.images.left_stride, 0, kind, seed);
-  draw(&input, right, &f.images, f.images.right_stride, shift, kind, seed);
+  draw(&input, left, &f.images, f.images.left_stride, (content){shown.kind, 0, 1, 0, shown.seed});
+  draw(&input, right, &f.images, f.images.right_stride, shown);
   f.images.left = left;
   f.images.right = right;
-  if (vista_engine_validate(&f.params) == VISTA_ENGINE_OK) compare(&f, bands);
+  if (vista_engine_validate(&f.params) == VISTA_ENGINE_OK) frames += compare(&f, bands);
   int16_t *const words = fuzz_allocate(rows * (size_t)f.images.width * sizeof *words);
   try_anything(&anything, f, words);
   free(words);

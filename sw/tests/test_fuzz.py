@@ -1,4 +1,4 @@
-"""The fuzz targets: every committed input passes under all sanitizers, and so do some hundred new ones."""
+"""The fuzz targets: every committed input passes under all sanitizers, and so do hundreds of new ones."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import run_fuzz
 
-RUNS = {"engine": 200, "pipeline": 140, "mavlink": 2000, "fly": 400}
+RUNS = {"engine": 20000, "pipeline": 140, "mavlink": 2000, "fly": 400}
 
 pytestmark = [
     pytest.mark.slow,
@@ -35,7 +35,7 @@ def test_new_inputs(target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     outcome, text = run_fuzz.fuzz(target, "-seed=1", f"-runs={RUNS[target]}")
     assert not outcome.failed, text[-4000:]
     assert outcome.executions >= RUNS[target]
-    assert outcome.edges > 0.1 * outcome.all_edges or target == "engine", outcome
+    assert outcome.edges > 0.1 * outcome.all_edges, outcome
 
 
 def test_the_corpus_is_small() -> None:
