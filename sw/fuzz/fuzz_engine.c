@@ -6,13 +6,13 @@
 #include "input.h"
 #include "vista/engine.h"
 
-/* Most of a frame; columns: beside those that have no disparity. What sizes depend on, such as a last group of columns or
- * of disparities, is met in small frames, which take a hundredth of the time; one input in 512 is of any size. */
+/* Most of a frame; columns: beside those that have no disparity. What sizes depend on, such as a second strip of columns or
+ * group of disparities, is met in small frames, which take a hundredth of the time; one input in 512 is of any size. */
 typedef struct limits {
   int32_t rows, columns, disparities;
 } limits;
 
-static const limits SMALL = {6, 20, 48}, LARGE = {28, 64, 256};
+static const limits SMALL = {6, 40, 48}, LARGE = {28, 64, 256};
 #define SMALL_OF 512
 
 /* Of all bytes: whatever the fuzzer changes, the share of large frames stays. */
