@@ -237,6 +237,46 @@ def test_a_cell_costs_by_what_was_seen_of_it_within_a_minute_at_its_height_and_p
     assert list(lengths(planner, position=(0.0, 0.0, -48.0))) == unseen
 
 
+def swept(length: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """What fast sweeping makes of ways with a rim: each cell after those beside it and in the row before."""
+    way, corners = way.copy(), [(up, left) for up in (1, -1) for left in (1, -1)]
+    for _ in range(4):
+        shorter = False
+        for up, left in corners:
+            ways, lengths = way[::up, ::left], length[::up, ::left]
+            for diagonal in range(2 * len(length) - 1):
+                y = np.arange(max(0, diagonal - len(length) + 1), min(diagonal + 1, len(length)))
+                x = diagonal - y
+                beside = np.minimum(ways[y + 1, x], ways[y + 1, x + 2])
+                across = np.minimum(ways[y, x + 1], ways[y + 2, x + 1])
+                apart, here = np.abs(beside - across), lengths[y, x]
+                root = np.sqrt(np.maximum(np.float32(2.0) * here * here - apart * apart, np.float32(0.0)))
+                slanted = np.float32(0.5) * (beside + across + root)
+                found = np.where(apart >= here, np.minimum(beside, across) + here, slanted)
+                old = ways[y + 1, x + 1]
+                shorter |= bool((found < old - np.float32(0.02)).any())
+                ways[y + 1, x + 1] = np.minimum(found, old)
+        if not shorter:
+            break
+    return way
+
+
+def test_rows_that_are_swept_together_give_what_one_after_the_other_does() -> None:
+    rng, planner = seeded(8), Planner().handle
+    length, way = (np.frombuffer(ffi.buffer(a), np.float32) for a in (planner.length, planner.way))
+    length, way = length.reshape(lib.VISTA_PLAN_GRID, -1), way.reshape(lib.VISTA_PLAN_GRID + 2, -1)
+    for things in (0, 3, 40):
+        length[:] = rng.choice(np.float32([1.0, 1.3]), length.shape)
+        for x, y in rng.integers(0, lib.VISTA_PLAN_GRID, (things, 2)):
+            length[y : y + rng.integers(1, 20), x : x + rng.integers(1, 20)] = rng.choice([1.5, 12.0])
+        way[:] = 1e9
+        way[1, 1:-1] = way[-2, 1:-1] = way[1:-1, 1] = way[1:-1, -2] = rng.uniform(0.0, 99.0, len(length))
+        way[tuple(rng.integers(1, len(length), 2))] = 0.5
+        expected = swept(length, way)
+        lib.vista_plan_sweep(planner)
+        np.testing.assert_array_equal(way, expected)
+
+
 @pytest.mark.parametrize("right", [-1.0, 1.0])
 @pytest.mark.parametrize("ahead", [-1.0, 1.0])
 def test_a_way_across_the_axes_of_the_grid_is_no_longer_than_others(right: float, ahead: float) -> None:

@@ -7,6 +7,7 @@
 #include "common/numbers.h"
 #include "plan/angles.h"
 #include "plan/primitives.h"
+#include "plan/way_sweep.h"
 
 #define GRID VISTA_PLAN_GRID
 #define CELL_SHARE 0.5 /* of the radius: the side of a cell */
@@ -17,10 +18,7 @@
 #define TOUCH_SHARE 1.2 /* and nearer than this share of the radius they are passed only if nothing else is left */
 #define TOUCH_LENGTH 12.0f
 #define UNSEEN_LENGTH 1.3f
-#define ROUNDS 4 /* of four sweeps each, at most */
 #define WAY_STEPS 4
-#define SHORTER_MIN 0.02f /* of a cell: what is less does not matter */
-#define FAR_CELLS 1e9f
 
 enum { UNSEEN = 0, FREE = 1, STANDS = 2 };
 
@@ -143,35 +141,6 @@ static void lengths(vista_planner *p, const vista_plan_state *state) {
       if (kinds[y][x] == STANDS) lengthen(p, x, y);
 }
 
-/* The way from a cell if that from its neighbours is known: |grad way| = length. */
-static inline float solved(float a, float b, float length) {
-  const float apart = fabsf(a - b);
-  if (apart >= length) return vista_smaller(a, b) + length;
-  return 0.5f * (a + b + sqrtf(2.0f * length * length - apart * apart));
-}
-
-/* Goes through the cells from one of the four corners: the `number`-th time, from 1. Each row is gone through in both
- * directions after it or a row beside it has become shorter for the last time, in `changed`; then nothing more can.
- * False: nothing became shorter. */
-static bool sweep(vista_planner *p, int32_t corner, int32_t number, int32_t changed[GRID + 2]) {
-  bool shorter = false;
-  for (int32_t j = 0; j < GRID; ++j) {
-    const int32_t y = corner & 2 ? GRID - 1 - j : j;
-    if (number > 2 && changed[y] < number - 2 && changed[y + 1] < number - 2 && changed[y + 2] < number - 2) continue;
-    const float *const low = p->way[y] + 1, *const high = p->way[y + 2] + 1, *const length = p->length[y];
-    float *const way = p->way[y + 1] + 1;
-    for (int32_t i = 0; i < GRID; ++i) {
-      const int32_t x = corner & 1 ? GRID - 1 - i : i;
-      const float found = solved(vista_smaller(way[x - 1], way[x + 1]), vista_smaller(low[x], high[x]), length[x]);
-      if (!(found < way[x])) continue;
-      shorter |= found < way[x] - SHORTER_MIN;
-      way[x] = found;
-      changed[y + 1] = number;
-    }
-  }
-  return shorter;
-}
-
 /* Where the ways end: at the goal, and at the rim of the grid, from where they lead straight to it. */
 static void begin(vista_planner *p, const double goal[2]) {
   for (int32_t y = -1; y <= GRID; ++y)
@@ -180,7 +149,7 @@ static void begin(vista_planner *p, const double goal[2]) {
       const bool rim = x == 0 || y == 0 || x == GRID - 1 || y == GRID - 1;
       const double off_x = p->first[0] + x + 0.5 - goal[0], off_y = p->first[1] + y + 0.5 - goal[1];
       const bool ends = !outside && (rim || (fabs(off_x) < 1.0 && fabs(off_y) < 1.0));
-      p->way[y + 1][x + 1] = ends ? (float)length_of(off_x, off_y) : FAR_CELLS;
+      p->way[y + 1][x + 1] = ends ? (float)length_of(off_x, off_y) : VISTA_PLAN_WAY_FAR;
     }
 }
 
@@ -191,12 +160,7 @@ void vista_plan_spread(vista_planner *p, const vista_plan_state *state, const do
   for (int i = 0; i < 2; ++i) p->first[i] = (int32_t)floor(here[i]) - GRID / 2;
   lengths(p, state);
   begin(p, goal);
-  bool shorter = true;
-  int32_t changed[GRID + 2] = {0};
-  for (int32_t k = 0; shorter && k < ROUNDS; ++k) {
-    shorter = false;
-    for (int32_t corner = 0; corner < 4; ++corner) shorter |= sweep(p, corner, 4 * k + corner + 1, changed);
-  }
+  vista_plan_sweep(p);
 }
 
 static int32_t within(double value) { return (int32_t)fmin(fmax(value, 0.0), GRID - 1.0); }
