@@ -368,4 +368,6 @@ KINDS: dict[str, Kind] = {
     "time jumps and returns": Kind(
         (-0.15, 0.3, 10), "s", clock(lambda now, s: s + (now.strength if now.since == 0 else 0.0))
     ),
+    "grain": Kind((0.5, 1), "grey levels", images(noisy)),
 }
+CONTROL = "grain"  # no fault: what becomes of warnings when an image is a little different

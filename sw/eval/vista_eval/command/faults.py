@@ -5,6 +5,9 @@ drift or are missing; clocks run wrongly; bits turn over. Each kind comes at sev
 is silent where a warning of the recording as it is has gone, the frame is healthy, and the path is called
 free as far as what was warned of. The table is printed; DIR receives faults.json, which has every injection,
 and faults.html. An interrupted campaign continues.
+
+`--kind grain` is a control: noise of half a grey level and of one, which no camera is without. What is silent
+with it is lost by chance, and not by a fault.
 """
 
 from __future__ import annotations
@@ -43,14 +46,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     values = load_parameters(arguments.config, "golden")
     place = chosen_place(arguments)
-    from vista_eval.disturbances import KINDS  # loads libvista, which `--help` need not
+    from vista_eval.disturbances import CONTROL, KINDS  # loads libvista, which `--help` need not
     from vista_eval.score import score
     from vista_eval.suites.faults import PART, Faults, Part
 
     unknown = [kind for kind in arguments.kind if kind not in KINDS]
     if unknown:
         raise InputError("--kind", f"{unknown[0]} is none of: {', '.join(KINDS)}")
-    kinds = arguments.kind or list(KINDS)
+    kinds = arguments.kind or [kind for kind in KINDS if kind != CONTROL]
     for path in arguments.recordings:
         if not path.exists():
             raise InputError(path, "no such file or folder")
