@@ -51,7 +51,10 @@ def test_what_nobody_has_seen_is_not_flown_into() -> None:
     decision = Planner().decide(space, state_of(t_s=2.0), goal_of())
     assert decision.action == "holds"
     assert {o.ends for o in decision.options if o.primitive == "straight"} == {"by_unknown"}
-    assert not decision.points["velocity_m_s"].any()
+    aside_m, leans_m_s2 = decision.points["position_m"][:, 0], decision.points["acceleration_m_s2"][:, 0]
+    assert np.abs(aside_m).max() < 0.25 * RADIUS_M  # it sways where it stands
+    assert np.abs(leans_m_s2).max() > 1.3
+    assert not decision.points[-1]["velocity_m_s"].any()
 
 
 def test_a_planner_begins_anew_after_a_reset() -> None:
@@ -207,7 +210,7 @@ def test_what_the_vehicle_has_passed_was_seen_as_far_as_the_last_frame_that_had_
 
 
 def test_what_is_too_near_is_not_in_the_way_of_getting_away_from_it() -> None:
-    """The vehicle flies on beside it, and not before it."""
+    """The vehicle flies on beside it, and not straight on before it."""
     for position, passes in (([-0.5, 0.0, 0.3], True), ([0.0, 0.0, 0.8], False)):
         thing = {
             "id": 7,
@@ -217,7 +220,8 @@ def test_what_is_too_near_is_not_in_the_way_of_getting_away_from_it() -> None:
             "covariance_m2": (1e-4 * np.eye(3)).ravel().tolist(),
         }
         decision = Planner().decide(seen_world(), state_of(), goal_of(), [thing])
-        assert (decision.action == "proceeds") == passes
+        chosen = decision.options[decision.chosen]
+        assert (decision.chosen >= 0 and chosen.direction[2] > 0.9 and chosen.speed_m_s > 0.9) == passes
 
 
 def lengths(planner: Planner, **state) -> set[float]:
@@ -445,8 +449,8 @@ def test_decisions_are_bounded_by_count() -> None:
         assert len(decision.options) <= lib.VISTA_PLAN_MOST_OPTIONS
 
 
-def test_a_multirotor_that_flies_leans_to_both_sides_and_keeps_its_way() -> None:
-    """So level wires cross the rows of its images; a vehicle that stands does not sway."""
+def test_a_multirotor_leans_to_both_sides_and_keeps_its_way() -> None:
+    """So level wires cross the rows of its images."""
     flight = Flight([], goal_of((0.0, 0.0, 400.0), 5.0, (0.0, 0.0, 0.0)), velocity=(0.0, 0.0, 5.0))
     for _ in range(10):
         flight.step()
@@ -458,8 +462,29 @@ def test_a_multirotor_that_flies_leans_to_both_sides_and_keeps_its_way() -> None
     assert np.ptp(off_m) < 0.5 * RADIUS_M
     assert leans_m_s2.max() > 1.3
     assert leans_m_s2.min() < -1.3
-    still = Planner().decide(seen_world(), state_of(), goal_of((0.0, 0.0, 0.1), passed=False))
-    assert not still.points["acceleration_m_s2"].any()
+
+
+def test_a_multirotor_that_has_arrived_does_not_lean() -> None:
+    arrived = Planner().decide(seen_world(), state_of(), goal_of((0.0, 0.0, 0.1), passed=False))
+    assert not arrived.points["acceleration_m_s2"].any()
+
+
+def test_beside_what_it_would_sway_into_it_flies_without() -> None:
+    """A gap that leaves 2 cm on both sides of the radius, and one that leaves room for both."""
+    for side_m, sways in ((RADIUS_M + 0.12, False), (RADIUS_M + 0.5, True)):
+        sides = [
+            {
+                "id": k + 1,
+                "confirmed": True,
+                "position_m": [side * side_m, 0.0, 0.6],
+                "extent_m": [0.2, 2.0],
+                "covariance_m2": (1e-6 * np.eye(3)).ravel().tolist(),
+            }
+            for k, side in enumerate((-1.0, 1.0))
+        ]
+        decision = Planner(plan__climb_max_m_s=0.0).decide(seen_world(), state_of(), goal_of(), sides)
+        assert decision.action == "proceeds"
+        assert (np.ptp(decision.points["position_m"][:, 0]) > 0.05) == sways
 
 
 def test_before_what_it_cannot_avoid_it_brakes() -> None:

@@ -21,6 +21,7 @@ from vista_eval.closed_loop.pilots import BrakeOnly, Leg, Seen, Straight, along_
 from vista_eval.closed_loop.places import boxes, forests
 from vista_eval.closed_loop.places.catalog import FAMILIES
 from vista_eval.closed_loop.places.parts import scene, upright_box
+from vista_eval.closed_loop.progress import SWAY_S, Progress, speeds_of
 from vista_eval.closed_loop.record import lines_of
 from vista_eval.closed_loop.rivals import RIVALS
 from vista_eval.closed_loop.setpoint import Setpoint
@@ -216,6 +217,20 @@ def test_who_flies_a_leg_slows_down_before_its_end_unless_it_is_passed():
 
 
 # ---- outcomes ----
+
+
+@pytest.mark.parametrize("speed_m_s", [0.0, 2.0])
+def test_the_way_is_that_without_the_sway(speed_m_s: float):
+    times_s = STEP_S * np.arange(1001)
+    aside_m = 0.1 * np.sin(2 * np.pi * times_s / SWAY_S)
+    places_m = np.stack([speed_m_s * times_s, aside_m, np.ones(1001)], 1)
+    progress = Progress(places_m[0])
+    for place_m in places_m[1:]:
+        progress.take(place_m)
+    assert progress.way_m == pytest.approx(10.0 * speed_m_s, abs=0.2)
+    assert progress.speed_m_s == pytest.approx(speed_m_s, abs=0.01)
+    told = speeds_of(times_s[::10], places_m[::10])
+    assert told[20:] == pytest.approx(np.full(81, speed_m_s), abs=0.05)
 
 
 def test_stops_are_counted_after_the_start_and_without_the_last():

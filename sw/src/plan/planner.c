@@ -96,7 +96,7 @@ typedef struct work {
   const vista_plan_state *state; /* that the trajectory begins with */
   bool goes_on, brakes; /* the one that is flown goes on; a new one brakes, whatever is there */
   vista_plan_aim aim;
-  bool arrived;
+  bool arrived, sways;
   vista_plan_decision *decision;
 } work;
 
@@ -110,7 +110,8 @@ static bool fly_along(const work *w, const vista_plan_option *option, int32_t si
   const vista_plan_visitor looks = {walk_on, walk}, *const visitor = walk == NULL ? NULL : &looks;
   double velocity_m_s[3];
   vista_plan_velocity(option, velocity_m_s);
-  if (!circles(w)) return vista_plan_multirotor(&w->planner->params, w->state, velocity_m_s, visitor, w->decision);
+  if (!circles(w))
+    return vista_plan_multirotor(&w->planner->params, w->state, velocity_m_s, w->sways, visitor, w->decision);
   vista_plan_turning turning = {.side = side, .climb_m_s = vista_dot(w->state->up, velocity_m_s)};
   turning.at_once = !vista_plan_level(w->state->up, option->direction, turning.level);
   return vista_plan_fixed_wing(&w->planner->params, w->state, &turning, visitor, w->decision);
@@ -166,6 +167,20 @@ static int32_t first_that_passes(work *w) {
     look_s = fmin(look_s, looked_at_s(w, &options[k]));
   }
   return -1;
+}
+
+/* The same, swaying, or where that lets nothing pass but to stay, without: beside what stands near there may be no room
+ * to sway. */
+static int32_t choose(work *w) {
+  const int32_t stay = w->decision->option_count - 1, swaying = first_that_passes(w);
+  if (!w->sways || (swaying >= 0 && swaying != stay)) return swaying;
+  w->sways = false;
+  w->space.looks = 0; /* places that were asked for are not those without */
+  const int32_t still = first_that_passes(w);
+  if (swaying < 0 || (still >= 0 && still != stay)) return still;
+  w->sways = true;
+  (void)passes(w, &w->decision->options[stay]);
+  return stay;
 }
 
 /* The rest of the plan that was committed to. False: there is none, or the vehicle has left it. */
@@ -325,7 +340,8 @@ static void decide(work *w) {
     if (circles(w)) d->options[0].primitive = VISTA_PLAN_LOITER;
     d->option_count = 1;
   }
-  d->chosen = first_that_passes(w);
+  w->sways = !w->arrived && !circles(w);
+  d->chosen = choose(w);
   if (d->chosen >= 0) {
     d->action = action_of(w);
   } else {

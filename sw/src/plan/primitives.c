@@ -15,7 +15,7 @@
 #define SWAY_S 1.4 /* period of the sway */
 #define SWAY_TURNS_NS INT64_C(1400000000000) /* a whole number of them */
 #define SWAY_M_S2 2.0 /* largest acceleration to a side: it leans by 12 degrees, and moves by 0.1 m */
-#define SWAY_FROM_M_S 1.0 /* it sways above this speed, in full from twice as much */
+#define SWAY_ENDS_S 0.8 /* after what it commits to, the sway dies out within this time */
 #define YAW_RAD_S 0.8 /* PX4 turns by 45 degrees a second unless it is told otherwise */
 #define WING_STEP_S 0.25
 #define WING_COMMIT_S 0.75 /* to roll takes longer than to lean */
@@ -67,13 +67,11 @@ static void lead(const vista_plan_params *params, const double up[3], const doub
   }
 }
 
-/* Adds the sway of a time to a point of a trajectory (sign 1), or takes it off (-1). It dies out with the speed. */
-static void sway(const double up[3], int64_t t_ns, double after_s, double sign, vista_plan_setpoint *now) {
-  double level[3], left[3], sine, cosine;
-  const double speed_m_s = vista_norm(now->velocity_m_s), rate = TURN_RAD / SWAY_S;
-  if (!(speed_m_s > SWAY_FROM_M_S) || !vista_plan_level(up, now->velocity_m_s, level)) return;
-  vista_cross(up, level, left);
-  const double most_m_s2 = sign * SWAY_M_S2 * fmin(speed_m_s / SWAY_FROM_M_S - 1.0, 1.0);
+/* Adds this share of the sway of a time to a point of a trajectory, to the sides of where it looks. */
+static void sway(const double up[3], int64_t t_ns, double after_s, double share, vista_plan_setpoint *now) {
+  double left[3], sine, cosine;
+  const double rate = TURN_RAD / SWAY_S, most_m_s2 = share * SWAY_M_S2;
+  vista_cross(up, now->heading, left);
   const double phase = rate * (fmod(1e-9 * (double)(t_ns % SWAY_TURNS_NS), SWAY_S) + after_s);
   vista_plan_sine_cosine(phase, &sine, &cosine);
   for (int i = 0; i < 3; ++i) {
@@ -104,7 +102,7 @@ static bool wanted_on(const vista_plan_visitor *visitor, bool ends) {
 }
 
 bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
-                           const vista_plan_visitor *visitor, vista_plan_decision *plan) {
+                           bool sways, const vista_plan_visitor *visitor, vista_plan_decision *plan) {
   static const double stop[3] = {0.0, 0.0, 0.0};
   vista_plan_setpoint now = {0};
   memcpy(now.position_m, state->position_m, sizeof now.position_m);
@@ -116,16 +114,18 @@ bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_sta
   plan->escape_s = VISTA_PLAN_COMMIT_S;
   plan->circle_from = -1;
   plan->points[0] = now;
-  sway(state->up, state->t_ns, 0.0, -1.0, &now);
+  if (sways) sway(state->up, state->t_ns, 0.0, -1.0, &now);
   for (plan->point_count = 1; plan->point_count < VISTA_PLAN_MOST_POINTS;) {
-    const bool escapes = STEP_S * (plan->point_count - 1) >= VISTA_PLAN_COMMIT_S - 0.5 * STEP_S;
+    const double after_s = STEP_S * plan->point_count;
+    const double share = sways ? fmin(fmax(1.0 - (after_s - VISTA_PLAN_COMMIT_S) / SWAY_ENDS_S, 0.0), 1.0) : 0.0;
+    const bool escapes = after_s >= VISTA_PLAN_COMMIT_S + 0.5 * STEP_S;
     const double *const wanted = escapes ? stop : velocity_m_s;
     for (int k = 0; k < SUBSTEPS; ++k) lead(params, state->up, wanted, STEP_S / SUBSTEPS, &now);
-    const bool done = escapes && is_still(&now);
+    const bool done = escapes && share == 0.0 && is_still(&now);
     if (done) memset(now.velocity_m_s, 0, sizeof now.velocity_m_s);
     if (done) memset(now.acceleration_m_s2, 0, sizeof now.acceleration_m_s2);
     plan->points[plan->point_count] = now;
-    sway(state->up, state->t_ns, STEP_S * plan->point_count, 1.0, &plan->points[plan->point_count]);
+    sway(state->up, state->t_ns, after_s, share, &plan->points[plan->point_count]);
     ++plan->point_count;
     if (!wanted_on(visitor, done)) return false;
     if (done) return true;

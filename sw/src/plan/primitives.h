@@ -2,9 +2,10 @@
  *
  * A multirotor is a point that is led to a wanted velocity: with a first order of VELOCITY_S, an acceleration that is
  * limited, and a limited jerk, which stands for the time that it takes to lean. So a new direction is an arc, a lower
- * speed slows down, and the wanted velocity of zero stops. After VISTA_PLAN_COMMIT_S each manoeuvre ends in that. As long as
- * it flies it sways to both sides, by a tenth of a metre: so it leans, and a level wire, which has no disparity while it
- * lies along the rows of the image, crosses them. The sway's 2 m/s^2 and 9 m/s^3 come on top of the limits.
+ * speed slows down, and the wanted velocity of zero stops. After VISTA_PLAN_COMMIT_S each manoeuvre ends in that. On its
+ * way, and where it stands, it sways to both sides of where it looks, by a tenth of a metre: so it leans, and a level wire,
+ * which has no disparity while it lies along the rows of the image, crosses them. The sway's 2 m/s^2 and 9 m/s^3 come on
+ * top of the limits; it dies out before the end.
  *
  * A fixed wing flies coordinated turns at its speed, with a limited roll rate and bank. After VISTA_PLAN_COMMIT_S it
  * turns into a circle. */
@@ -29,10 +30,10 @@ typedef struct vista_plan_visitor {
 } vista_plan_visitor;
 
 /* Fills the points of *plan in from the state on, with escape_s, step_s and circle_from: a multirotor is led to this
- * velocity, and then to a stop. The headings are that of the state. visitor: null where there is none. False: it does not
+ * velocity, and then to a stop. sways: whether it does, as it did in what led to the state. The headings are that of the state. visitor: null where there is none. False: it does not
  * come to an end within the points, or the visitor stopped it. */
 bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
-                           const vista_plan_visitor *visitor, vista_plan_decision *plan);
+                           bool sways, const vista_plan_visitor *visitor, vista_plan_decision *plan);
 
 /* The same of a fixed wing: it turns to a level direction of unit length and climbs at this rate, and then flies a circle to
  * the left (side 1) or to the right (-1), level. At once: the circle alone. The headings are those of its flight. */

@@ -7,7 +7,7 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 
-#define KEPT_S 8.0
+#define KEPT_S 60.0
 #define MISSED_S 0.45 /* that frames in a row may miss a line that they should show, */
 #define FRAME_S 0.1 /* and the most that one frame may count for: after a gap as well one frame is no proof */
 #define SAME_M 0.5 /* apart: pieces of one line */

@@ -16,6 +16,7 @@ from vista_eval.closed_loop.camera import StereoCamera, rig_of
 from vista_eval.closed_loop.collision import Geometry, Near
 from vista_eval.closed_loop.perception import Perception, Words
 from vista_eval.closed_loop.pilots import Decision, Leg, Pilot, Seen
+from vista_eval.closed_loop.progress import Progress
 from vista_eval.closed_loop.setpoint import Setpoint
 from vista_eval.closed_loop.vehicle import STEP_S, State, wrapped
 from vista_eval.closed_loop.vehicles import VEHICLES, Kind
@@ -29,7 +30,7 @@ from vista_eval.worlds.draws import draws
 
 SET_OFF_M = 2.0
 HELD_S = 8.0  # at rest for so long after it set off: it will not go on
-REST_M_S = 0.3
+REST_M_S = 0.3  # of the mean place over a period of the sway
 # A flight takes at most so many times what its route takes at its speed, and so much more.
 LONGEST, SLACK_S = 3.0, 20.0
 DROP_OUT_FRAMES = 2
@@ -120,6 +121,7 @@ def fly(
     longest_s = LONGEST * world.length_m / world.speed_m_s + SLACK_S
     decision, decided_step, record, left = None, 0, None, None
     leg, step, rested_s, near, here = 0, 0, 0.0, NOTHING, geometry.nearest(legs[0].from_m)
+    progress = Progress(legs[0].from_m)
     while not flight.end:
         state = vehicle.state
         if step % period_steps == 0:
@@ -149,10 +151,11 @@ def fly(
         met, here = geometry.nearest_on_way(here, state.position_m, now.position_m, step * STEP_S, STEP_S)
         near = min(near, met, key=lambda one: one.distance_m)
         flight.nearest = min(flight.nearest, met, key=lambda one: one.distance_m)
-        flight.way_m += float(np.linalg.norm(now.position_m - state.position_m))
+        progress.take(now.position_m)
+        flight.way_m = progress.way_m
         step += 1
         flight.time_s = step * STEP_S
-        at_rest = np.linalg.norm(now.velocity_m_s) < REST_M_S
+        at_rest = progress.speed_m_s < REST_M_S
         rested_s = rested_s + STEP_S if at_rest and flight.way_m > SET_OFF_M else 0.0
         if met.distance_m < world.radius_m or now.position_m[2] < world.radius_m:
             flight.end, flight.hit = "collision", met.name if met.distance_m < world.radius_m else "ground"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vista_eval.closed_loop.loop import REST_M_S, Flight, Moment, heading_off_rad
+from vista_eval.closed_loop.progress import speeds_of
 from vista_eval.closed_loop.vehicles import VEHICLES
 
 NEAR_MISS_M = 1.5  # what the competition of SBFT and ICST calls a soft failure
@@ -55,7 +56,8 @@ class Outcome:
 
 def outcome_of(flight: Flight, rival: str) -> Outcome:
     world, moments = flight.world, flight.moments
-    speeds = [float(np.linalg.norm(moment.state.velocity_m_s)) for moment in moments]
+    places = np.array([moment.state.position_m for moment in moments])
+    speeds = speeds_of(np.array([moment.t_s for moment in moments]), places).tolist()
     return Outcome(
         world.name,
         world.family,
@@ -71,7 +73,7 @@ def outcome_of(flight: Flight, rival: str) -> Outcome:
         flight.nearest.distance_m - world.radius_m,
         stops_of(speeds, flight.end),
         begins([moment.decision.avoids for moment in moments[:-1]]),
-        max(speeds),
+        max(float(np.linalg.norm(moment.state.velocity_m_s)) for moment in moments),
         len(moments) - 1,
         flight.lost_frames,
     )
