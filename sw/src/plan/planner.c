@@ -178,8 +178,9 @@ static int32_t choose(work *w) {
   w->space.looks = 0; /* places that were asked for are not those without */
   const int32_t still = first_that_passes(w);
   if (swaying < 0 || (still >= 0 && still != stay)) return still;
-  w->sways = true;
-  (void)passes(w, &w->decision->options[stay]);
+  w->sways = true; /* it passed */
+  w->decision->options[stay].ruling = VISTA_PLAN_CHOSEN;
+  (void)fly(w, &w->decision->options[stay], circle_side(w, &w->decision->options[stay]));
   return stay;
 }
 
