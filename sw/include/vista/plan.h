@@ -130,7 +130,7 @@ typedef struct vista_plan_decision {
   double step_s; /* from one point to the next */
   int32_t point_count, circle_from; /* the points from there on are a circle that is flown on; -1: it ends in a stop */
   vista_plan_setpoint points[VISTA_PLAN_MOST_POINTS]; /* the first one at t_ns */
-  int32_t option_count, looks; /* looks: places that were asked for */
+  int32_t option_count, looks; /* looks: places that were asked for, the last time that any were */
   vista_plan_option options[VISTA_PLAN_MOST_OPTIONS]; /* the cheapest first */
 } vista_plan_decision;
 

@@ -30,8 +30,9 @@ typedef struct vista_plan_visitor {
 } vista_plan_visitor;
 
 /* Fills the points of *plan in from the state on, with escape_s, step_s and circle_from: a multirotor is led to this
- * velocity, and then to a stop. sways: whether it does, as it did in what led to the state. The headings are that of the state. visitor: null where there is none. False: it does not
- * come to an end within the points, or the visitor stopped it. */
+ * velocity, and then to a stop. sways: it sways to both sides, and what the sway at this time adds to position and
+ * velocity is taken to be in those of the state. The headings are that of the state. visitor: null where there is none.
+ * False: it does not come to an end within the points, or the visitor stopped it. */
 bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
                            bool sways, const vista_plan_visitor *visitor, vista_plan_decision *plan);
 

@@ -22,7 +22,9 @@
 #include "vista/directions.h"
 #include "vista/plan.h"
 
-#define VISTA_PLAN_LOOKS 216 /* places that are asked for in a decision, at most */
+/* Places that are asked for at most, each time: for manoeuvres that sway, for those that do not, for what was committed to,
+ * and once more where something is in its way. */
+#define VISTA_PLAN_LOOKS 216
 
 /* What is known of a place, for whoever wants to fly there. */
 typedef struct vista_plan_place {

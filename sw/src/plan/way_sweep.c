@@ -19,14 +19,14 @@ static_assert(GRID % BAND == 0, "bands fill the grid");
 
 /* Cell i of row k of a band, both counted as the sweep goes, has the place [i + k + 1][k + 1]; row 0 is the one before
  * the band, the last one that after it. */
-typedef struct ways {
+typedef struct row_band {
   float way[STEPS + 2][BAND + 2];
   float length[STEPS][BAND];
   int32_t changed[BAND], shorter[BAND]; /* of a row: at all, and by enough to matter */
-} ways;
+} row_band;
 
 /* What is beside the grid: no way leads through it. */
-static void clear(ways *band) {
+static void clear(row_band *band) {
   for (int32_t t = 0; t < STEPS + 2; ++t)
     for (int32_t k = 0; k < BAND + 2; ++k) band->way[t][k] = VISTA_PLAN_WAY_FAR;
   for (int32_t t = 0; t < STEPS; ++t)
@@ -40,7 +40,8 @@ static inline float solved(float a, float b, float length) {
   return apart >= length ? straight : across;
 }
 
-VISTA_WIDE_VECTORS static void relax(ways *band) {
+/* Goes through the cells of a band, one of each row in a step, and makes their ways shorter where it can. */
+VISTA_WIDE_VECTORS static void relax(row_band *band) {
   int32_t changed[BAND] = {0}, shorter[BAND] = {0};
   for (int32_t t = 0; t < STEPS; ++t) {
     const float *const before = band->way[t], *const after = band->way[t + 2], *const length = band->length[t];
@@ -69,7 +70,7 @@ static bool may_change(const int32_t changed[GRID + 2], int32_t first, int32_t n
 /* Goes through the cells from one of the four corners (bit 0: from the right, bit 1: from above): the `number`-th time,
  * from 1. changed: the last time that a row became shorter, with a row of the rim on both sides. False: nothing became
  * shorter by enough to matter. */
-static bool sweep(vista_planner *planner, ways *band, int32_t corner, int32_t number, int32_t changed[GRID + 2]) {
+static bool sweep(vista_planner *planner, row_band *band, int32_t corner, int32_t number, int32_t changed[GRID + 2]) {
   const bool back = corner & 1, down = corner & 2;
   bool shorter = false;
   for (int32_t done = 0; done < GRID; done += BAND) {
@@ -97,7 +98,7 @@ static bool sweep(vista_planner *planner, ways *band, int32_t corner, int32_t nu
 }
 
 void vista_plan_sweep(vista_planner *planner) {
-  ways band;
+  row_band band;
   int32_t changed[GRID + 2] = {0};
   bool shorter = true;
   clear(&band);

@@ -152,11 +152,10 @@ def fly(
         near = min(near, met, key=lambda one: one.distance_m)
         flight.nearest = min(flight.nearest, met, key=lambda one: one.distance_m)
         progress.take(now.position_m)
-        flight.way_m = progress.way_m
         step += 1
         flight.time_s = step * STEP_S
         at_rest = progress.speed_m_s < REST_M_S
-        rested_s = rested_s + STEP_S if at_rest and flight.way_m > SET_OFF_M else 0.0
+        rested_s = rested_s + STEP_S if at_rest and progress.gone_m > SET_OFF_M else 0.0
         if met.distance_m < world.radius_m or now.position_m[2] < world.radius_m:
             flight.end, flight.hit = "collision", met.name if met.distance_m < world.radius_m else "ground"
         elif arrived(now.position_m, legs[leg], kind):
@@ -167,6 +166,7 @@ def fly(
             flight.end = "held"
         elif flight.time_s > longest_s:
             flight.end = "late"
+    flight.way_m = progress.way_m
     last = flight.moments[-1]
     flight.moments.append(
         Moment(flight.time_s, vehicle.state, near, last.record, last.decision, last.setpoint, last.left)

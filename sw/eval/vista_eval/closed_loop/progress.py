@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vista_eval.closed_loop.vehicle import STEP_S
 
-SWAY_S = 1.4  # period of the sway
+SWAY_S = 1.4  # period of the sway (sw/src/plan/primitives.c)
 STEPS = round(SWAY_S / STEP_S)
 Place = NDArray[np.float64]
 
@@ -22,19 +22,19 @@ class Progress:
 
     def __init__(self, at_m: Place) -> None:
         self._places = deque([at_m] * STEPS, maxlen=STEPS)
-        self._way_m = 0.0
+        self.gone_m = 0.0  # without the way from the mean place to the vehicle
         self.speed_m_s = 0.0
 
     def take(self, at_m: Place) -> None:
         gone_m = float(np.linalg.norm(at_m - self._places[0]))
         self._places.append(at_m)
-        self._way_m += gone_m / STEPS
+        self.gone_m += gone_m / STEPS
         self.speed_m_s = gone_m / SWAY_S
 
     @property
     def way_m(self) -> float:
         """The way so far, and from the mean place to where the vehicle is."""
-        return self._way_m + float(np.linalg.norm(self._places[-1] - np.mean(self._places, axis=0)))
+        return self.gone_m + float(np.linalg.norm(self._places[-1] - np.mean(self._places, axis=0)))
 
 
 def speeds_of(times_s: Place, places_m: Place) -> Place:
