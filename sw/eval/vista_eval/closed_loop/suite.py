@@ -128,7 +128,7 @@ class ClosedLoop:
     def scoring(self, results: list[Flown], values: parameters.Values) -> Scoring:
         outcomes = [flown.outcome for flown in results]
         made = [by_rival(outcomes), by_family(outcomes), by_speed(outcomes), losses(outcomes)]
-        shown = [replace(table, name=table.name.replace("fly", self.name)) for table in made]
+        shown = [replace(table, name=table.name.replace("fly", self.name)) for table in made if table.rows]
         return Scoring(
             shown,
             page(results, shown, self.conditions, values),
