@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pipeline_library import plain
@@ -155,6 +157,17 @@ def test_what_hangs_before_the_horizon_is_no_sky() -> None:
     for z_m in (6.0, 10.0, 14.0):
         assert shown_by(scene([board], ground_y_m=8.0), (0.0, 0.0, z_m)).beyond < 0.4
         assert shown_by(scene(ground_y_m=8.0), (0.0, 0.0, z_m)).beyond > 0.9
+
+
+def test_sky_above_hills_too_far_to_have_a_disparity_is_free() -> None:
+    """The ground is matched up to 60 m only, and lies deep below the horizon there."""
+    ground, horizon = scene(ground_y_m=8.0), HEIGHT // 2
+    words = ground.words.copy()
+    words[: horizon + round(FOCAL_PX * 8.0 / 60.0)] = INVALID
+    assert shown_by(replace(ground, words=words), (0.0, 0.0, 10.0)).beyond < 0.4
+    words[horizon - 10 : horizon] = 0
+    for z_m in (6.0, 10.0, 14.0):
+        assert shown_by(replace(ground, words=words), (0.0, 0.0, z_m)).beyond > 0.9
 
 
 def test_a_surface_to_fly_along_is_no_vote() -> None:

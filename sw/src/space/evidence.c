@@ -133,7 +133,7 @@ static void gather(const vista_frame_view *frame, const vista_surfaces *surfaces
   const uint8_t *const horizontal = surfaces->horizontal;
   for (int32_t k = 0; k < count; ++k) {
     const int32_t u = (x + k) * step_px;
-    s->matched[k] = row[u];
+    s->matched[k] = (int16_t)(row[u] + (row[u] == 0)); /* too far to have a disparity, and matched */
     s->level[k] = horizontal[cells[u]] ? VISTA_SIGHT_LEVEL : VISTA_SIGHT_WORD;
     s->coarser[k] = has_coarser ? coarser[(u + 1) / 2] : 0;
   }
