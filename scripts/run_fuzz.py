@@ -10,8 +10,14 @@ import argparse
 import re
 import subprocess
 import sys
+from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
+from time import perf_counter
+
+from vista_eval.report.table import Table, write_measurement
 
 ROOT = Path(__file__).resolve().parents[1]
 FUZZ = ROOT / "build" / "fuzz"
@@ -30,17 +36,19 @@ class Outcome:
     executions: int
     edges: int
     all_edges: int
+    minutes: float
     frames: int | None = None
 
-    def line(self) -> str:
-        share = 100 * self.edges / max(self.all_edges, 1)
-        end = "FAILED" if self.failed else "passed"
-        edges = f"{self.edges:>7} of {self.all_edges:<7} {share:>4.0f} %"
-        frames = "" if self.frames is None else f"{self.frames}"
-        return f"{self.target:<12} {self.executions:>10} {frames:>9} {edges}   {end}"
+    def row(self) -> tuple[str, ...]:
+        frames = "" if self.frames is None else f"{self.frames:,}"
+        edges = f"{self.edges:,} of {self.all_edges:,}"
+        end = "1" if self.failed else "0"  # it stops there
+        return (self.target, f"{self.executions:,}", frames, f"{self.minutes:.1f}", edges, end)
 
 
-HEADING = f"{'target':<12} {'executions':>10} {'frames':>9} {'edges reached':>18}"
+def table(outcomes: Sequence[Outcome]) -> Table:
+    heads = ("target", "executions", "frames", "minutes", "edges reached", "failures")
+    return Table("fuzzing", heads, [outcome.row() for outcome in outcomes])
 
 
 def has_fuzzer() -> bool:
@@ -54,8 +62,9 @@ def run_corpus(target: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([FUZZ / target, *inputs], capture_output=True, text=True, errors="replace")
 
 
-def fuzz(target: str, *limits: str) -> tuple[Outcome, str]:
-    """libFuzzer from the corpora on, and what it printed."""
+def fuzz(target: str, *limits: str, jobs: int = 1) -> tuple[Outcome, str]:
+    """libFuzzer from the corpora on, in so many processes that take over what the others find; and what they
+    printed."""
     kept, failures = FUZZ / "corpus" / target, FUZZ / "failures"
     for folder in (kept, failures):
         folder.mkdir(parents=True, exist_ok=True)
@@ -64,24 +73,34 @@ def fuzz(target: str, *limits: str) -> tuple[Outcome, str]:
         "-rss_limit_mb=4096", f"-artifact_prefix={failures}/{target}-", *OPTIONS.get(target, []),
         kept, CORPUS / target,
     ]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace")
-    return read_outcome(target, done.returncode != 0, done.stderr), done.stderr
+    start_s = perf_counter()
+    with ExitStack() as stack:
+        printed = [stack.enter_context(TemporaryFile("w+", errors="replace")) for _ in range(jobs)]
+        running = [subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=file) for file in printed]
+        failed = any([process.wait() != 0 for process in running])
+        minutes = (perf_counter() - start_s) / 60.0
+        for file in printed:
+            file.seek(0)
+        texts = [file.read() for file in printed]
+    return read_outcome(target, failed, minutes, texts), "\n".join(texts)
 
 
-def read_outcome(target: str, failed: bool, text: str) -> Outcome:
-    """Reads what libFuzzer prints."""
+def read_outcome(target: str, failed: bool, minutes: float, texts: Sequence[str]) -> Outcome:
+    """Reads what libFuzzer prints, in each process."""
 
-    def last(pattern: str) -> int:
-        found = re.findall(pattern, text)
-        return int(found[-1]) if found else 0
+    def last(pattern: str) -> list[int]:
+        found = [re.findall(pattern, text) for text in texts]
+        return [int(numbers[-1]) for numbers in found if numbers]
 
+    frames = last(r"stat::frames: +(\d+)")
     return Outcome(
         target,
         failed,
-        last(r"stat::number_of_executed_units: +(\d+)"),
-        last(r"\bcov: (\d+)"),
-        last(r"\((\d+) inline 8-bit counters\)"),
-        last(r"stat::frames: +(\d+)") if "stat::frames:" in text else None,
+        sum(last(r"stat::number_of_executed_units: +(\d+)")),
+        max(last(r"\bcov: (\d+)"), default=0),
+        max(last(r"\((\d+) inline 8-bit counters\)"), default=0),
+        minutes,
+        sum(frames) if frames else None,
     )
 
 
@@ -89,21 +108,24 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("targets", nargs="+", metavar="TARGET")
-    parser.add_argument("--seconds", type=int, default=600, help="for each target (default 600)")
+    parser.add_argument("targets", nargs="+", metavar="TARGET[=SECONDS]")
+    parser.add_argument("--seconds", type=int, default=600, help="for a target without its own (default 600)")
+    parser.add_argument("--jobs", type=int, default=1, help="processes for each target (default 1)")
+    parser.add_argument("--out", type=Path, default=FUZZ / "fuzz.json", help="figures, as JSON")
     arguments = parser.parse_args()
     if not has_fuzzer():
         print("there is no clang with libFuzzer: only the committed inputs are run")
-        return max(run_corpus(target).returncode for target in arguments.targets)
-    print(HEADING)
-    failed = False
-    for target in arguments.targets:
-        outcome, text = fuzz(target, f"-max_total_time={arguments.seconds}")
-        print(outcome.line(), flush=True)
+        return max(run_corpus(target.partition("=")[0]).returncode for target in arguments.targets)
+    outcomes = []
+    for asked in arguments.targets:
+        target, _, seconds = asked.partition("=")
+        outcome, text = fuzz(target, f"-max_total_time={seconds or arguments.seconds}", jobs=arguments.jobs)
+        outcomes.append(outcome)
+        print(table([outcome]).as_text(), flush=True)
         if outcome.failed:
-            failed = True
             print("\n".join(text.splitlines()[-40:]), file=sys.stderr)
-    return int(failed)
+    write_measurement(arguments.out, [table(outcomes)])
+    return int(any(outcome.failed for outcome in outcomes))
 
 
 if __name__ == "__main__":
