@@ -15,7 +15,7 @@ from vista.cli import main
 from vista.engine import INVALID
 from vista.errors import InputError
 from vista.report.plots import STYLE
-from vista_eval.dataset.files import write_bytes
+from vista_eval.dataset.files import write_image
 from vista_eval.dataset.truth import FlightTruth, TrueObject
 from vista_eval.figures import segmentation
 from vista_eval.figures.flights import the_four
@@ -80,7 +80,7 @@ def test_a_folder_that_cannot_be_made_is_named(
     assert main(["figures", str(out), "--flights", str(pictures.parent)]) == 2
     assert f"{out}: cannot be written: not a directory" in capsys.readouterr().err
     with pytest.raises(InputError, match="cannot be written: not a directory"):
-        write_bytes(out / "frame.png", b"")
+        write_image(out / "frame.png", np.zeros((2, 2), np.uint8))
 
 
 def test_correctness_by_hand() -> None:

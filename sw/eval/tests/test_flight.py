@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from vista.geometry import quaternion_from_rotation, rotation_from_quaternion
 from vista.sequence import open_sequence
+from vista_eval.dataset import files
 from vista_eval.dataset.layout import image_path
 from vista_eval.render.course import rotation_from_angles
 from vista_eval.render.flight import Flight, is_complete, prepare, render_flight
@@ -91,10 +93,10 @@ def test_the_sign_is_where_the_truth_projects_it() -> None:
 def test_the_reader_gets_the_poses_that_were_flown(rendered: Path) -> None:
     sequence = open_sequence(rendered)
     assert len(sequence.frames) == 2
-    for frame, files in enumerate(sequence.frames):
+    for frame, of_frame in enumerate(sequence.frames):
         expected = camera_poses(SHORT, frame)[LEFT]
-        np.testing.assert_allclose(files.world_from_camera.rotation, expected[:3, :3], atol=1e-8)
-        np.testing.assert_allclose(files.world_from_camera.translation_m, expected[:3, 3], atol=1e-8)
+        np.testing.assert_allclose(of_frame.world_from_camera.rotation, expected[:3, :3], atol=1e-8)
+        np.testing.assert_allclose(of_frame.world_from_camera.translation_m, expected[:3, 3], atol=1e-8)
     truth = json.loads((rendered / "truth.json").read_text())
     assert truth["objects"][0]["position_m"] == pytest.approx([0.0, 0.0, 6.4008])
     assert truth["rig"]["baseline_m"] == SMALL_RIG.baseline_m
@@ -137,8 +139,6 @@ def test_only_what_is_missing_is_rendered(rendered: Path) -> None:
 
 
 def test_an_interruption_leaves_whole_images_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from vista_eval.dataset import files
-
     out = tmp_path / "flight"
     written = []
 
@@ -156,7 +156,15 @@ def test_an_interruption_leaves_whole_images_only(tmp_path: Path, monkeypatch: p
     images = sorted(out.rglob("*.png"))
     assert len(images) == 2
     assert all(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE).shape == (120, 160) for path in images)
-    assert not list(out.rglob("*.partial"))
+    assert not list(out.rglob(".*"))
+
+
+def test_two_programs_may_write_the_same_image(tmp_path: Path) -> None:
+    image = np.full((120, 160), 7, np.uint8)
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(lambda _: files.write_image(tmp_path / "0.png", image), range(100)))
+    assert [path.name for path in tmp_path.iterdir()] == ["0.png"]
+    assert (cv2.imread(str(tmp_path / "0.png"), cv2.IMREAD_GRAYSCALE) == image).all()
 
 
 def test_a_folder_with_other_things_is_refused(tmp_path: Path) -> None:
