@@ -3,6 +3,9 @@ small campaign on the street, in which no fault that is watched for is silent.""
 
 from __future__ import annotations
 
+import os
+import signal
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +14,13 @@ from shared_data import SHARED_DATA
 from vista import parameters
 from vista.geometry import Pose
 from vista_eval.disturbances import KINDS, Now, Shot
+from vista_eval.suites import faults
 from vista_eval.suites.faults import (
     LENGTH,
     Faults,
     Part,
     Seen,
+    apart,
     campaign,
     figures_of,
     judged,
@@ -50,7 +55,9 @@ WATCHED = (
         (Seen("healthy", 40.0, 38.0), "silent"),
         (Seen("healthy", None, 100.0), "silent"),
         (Seen("degraded", None, 100.0), "detected"),
+        (Seen("healthy", np.nan, np.nan), "silent"),
         (Seen("refused", None, 0.0), "detected"),
+        (Seen("stopped", None, 0.0), "detected"),
     ],
 )
 def test_a_warning_that_is_gone_is_silent_where_nothing_tells(seen: Seen, outcome: str) -> None:
@@ -64,6 +71,23 @@ def test_an_alarm_in_the_third_frame_is_in_time() -> None:
     assert outcome_of(["detected", "silent"]) == "within 3"
     assert outcome_of(["masked", "silent"]) == "silent"
     assert outcome_of(["safe", "detected"]) == "detected"
+
+
+def test_a_program_that_crashes_or_hangs_has_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    def crash() -> list[Seen]:
+        os.kill(os.getpid(), signal.SIGSEGV)
+        return [CLEAN]
+
+    def hang() -> list[Seen]:
+        time.sleep(60.0)
+        return [CLEAN]
+
+    def fail() -> list[Seen]:
+        raise IndexError
+
+    assert apart(lambda: [CLEAN]) == [CLEAN]
+    monkeypatch.setattr(faults, "STOPPED_S", 0.2)
+    assert [apart(work) for work in (crash, hang, fail)] == [None, None, None]
 
 
 def test_recordings_whose_names_begin_alike_have_draws_of_their_own() -> None:
@@ -101,6 +125,11 @@ def test_each_kind_changes_what_it_names_and_nothing_before_the_onset(name: str)
     ]
     for strength in KINDS[name].strengths:
         changed = 0
+        if (of_state := KINDS[name].of_state) is not None:
+            state, now = images.tobytes(), Now(shots, 5, 5, strength, 1)
+            upset = of_state(now, state)
+            changed = np.unpackbits(np.frombuffer(upset, np.uint8) ^ images.ravel()).sum()
+            assert changed == strength and of_state(now, state) == upset
         for index in range(5, 12):
             now = Now(shots, index, 5, strength, 1)
             if (of_words := KINDS[name].of_words) is not None:

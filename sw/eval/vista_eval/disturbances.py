@@ -1,8 +1,8 @@
 """The vocabulary of disturbances: what becomes of the frames of a recording from a moment on.
 
-A kind changes raw images, times and poses (`of_shot`), or the words that an engine gave (`of_words`). It sees
-all frames as they were recorded, so that it can hand over an older one. Strengths are in the unit that the
-kind names; the same seed disturbs in the same way.
+A kind changes raw images, times and poses (`of_shot`), the words of an engine (`of_words`), or what the
+detector remembers at the onset (`of_state`). It sees all frames as they were recorded, so that it can hand
+over an older one. Strengths are in the unit that the kind names; the same seed disturbs in the same way.
 """
 
 from __future__ import annotations
@@ -62,6 +62,7 @@ class Now:
 
 OfShot = Callable[[Now], Shot]
 OfWords = Callable[[Now, Sequence[Words]], Words]  # words of all frames up to this one, as they were matched
+OfState = Callable[[Now, bytes], bytes]
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,7 @@ class Kind:
     unit: str
     of_shot: OfShot | None = None
     of_words: OfWords | None = None
+    of_state: OfState | None = None
 
 
 # ---- images that come again or late ----
@@ -311,6 +313,17 @@ def upset_pose(now: Now, pose: Pose) -> Pose:
     return Pose(numbers[:9].reshape(3, 3), numbers[9:])
 
 
+# ---- the memory of the detector ----
+
+
+def upset_state(now: Now, state: bytes) -> bytes:
+    """So many of its bits are turned over, wherever they lie: numbers, counts and addresses."""
+    upset = np.frombuffer(state, np.uint8).copy()
+    at = now.random(3).integers(0, 8 * upset.size, round(now.strength))
+    np.bitwise_xor.at(upset, at // 8, (1 << (at % 8)).astype(np.uint8))
+    return upset.tobytes()
+
+
 # ---- clocks ----
 
 
@@ -363,6 +376,7 @@ KINDS: dict[str, Kind] = {
     "pose missing": Kind((1, 4, 8), "frames", posed(missing_pose)),
     "navigation errs": Kind((1, 3), "times", posed(filtered)),
     "bits of pose upset": Kind((1, 2, 4), "bits", posed(upset_pose)),
+    "bits of the memory upset": Kind((1, 3, 10), "bits", of_state=upset_state),
     "time runs wrongly": Kind((0.5, 0.8, 1.25, 2), "times", clock(lambda now, s: now.strength * s)),
     "time jumps": Kind((-10, -0.15, 0.3, 10), "s", clock(lambda now, s: s + now.strength)),
     "time jumps and returns": Kind(

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +41,9 @@ LENGTH = 8  # frames from the onset on
 ALARM = 3  # frames within which an alarm has to come
 FARTHER = 1.15  # a warning at more than so many times the distance is another one
 UNSEEN = "refused"
+STOPPED = "stopped"
+STOPPED_S = 20.0  # without an end, and a program counts as stopped
+FORK = get_context("fork")  # with the detector as it is; what it runs is C without threads
 
 OUTCOMES = ("masked", "safe", "detected", "within 3", "silent")
 
@@ -53,7 +58,8 @@ class Injection:
 
 @dataclass(frozen=True)
 class Seen:
-    """What is told of one frame; state "refused": nothing, and its tracks are forgotten."""
+    """What is told of one frame; state "refused": nothing, and its tracks are forgotten; "stopped": nothing,
+    since the program has crashed or hangs, which its supervisor sees."""
 
     state: str
     warned_m: float | None
@@ -73,7 +79,7 @@ def judged(clean: Seen, seen: Seen) -> str:
         return "masked" if warned * FARTHER >= clean.warned_m else "safe"
     if seen.state != State.HEALTHY:
         return "detected"
-    return "silent" if seen.path_seen_m >= clean.warned_m else "safe"
+    return "safe" if seen.path_seen_m < clean.warned_m else "silent"
 
 
 def outcome_of(frames: Sequence[str]) -> str:
@@ -83,6 +89,27 @@ def outcome_of(frames: Sequence[str]) -> str:
         found = [k for k, frame in enumerate(frames) if frame == "detected"]
         return "within 3" if max(silent) < ALARM and found and min(found) <= ALARM else "silent"
     return next((outcome for outcome in ("detected", "safe") if outcome in frames), "masked")
+
+
+def apart(work: Callable[[], list[Seen]]) -> list[Seen] | None:
+    """What the work comes to, in a process of its own; none: it crashed, or did not end."""
+    ours, theirs = FORK.Pipe(duplex=False)
+
+    def child() -> None:
+        with suppress(Exception):  # of numbers that no caller expects
+            theirs.send(work())
+
+    process = FORK.Process(target=child)
+    process.start()
+    theirs.close()
+    try:
+        return ours.recv() if ours.poll(STOPPED_S) else None
+    except EOFError:
+        return None
+    finally:
+        process.kill()
+        process.join()
+        ours.close()
 
 
 class Flown:
@@ -124,10 +151,19 @@ class Flown:
             tuple(str(f.reason) for f in findings),
         )
 
-    def disturbed(self, injection: Injection) -> Iterator[Seen]:
+    def disturbed(self, injection: Injection) -> list[Seen]:
+        if KINDS[injection.kind].of_state is None:
+            return list(self._disturbed(injection))
+        stopped = Seen(STOPPED, None, 0.0, (STOPPED,))
+        seen = apart(lambda: list(self._disturbed(injection)))
+        return [stopped] * LENGTH if seen is None else seen
+
+    def _disturbed(self, injection: Injection) -> Iterator[Seen]:
         kind = KINDS[injection.kind]
         for index in range(injection.onset, min(injection.onset + LENGTH, len(self.shots))):
             now = Now(self.shots, index, injection.onset, injection.strength, injection.seed)
+            if now.since == 0 and kind.of_state is not None:
+                self.detector.resume(kind.of_state(now, self.detector.state()))
             shot = kind.of_shot(now) if kind.of_shot is not None else self.shots[index]
             words = kind.of_words(now, self.words) if kind.of_words is not None else None
             yield self.frame(shot, words)
@@ -218,7 +254,7 @@ def campaign(values: parameters.Values, part: Part, folder: Path) -> list[dict[s
             flown.frame(flown.shots[at], None)
             at += 1
         before = detector.state()
-        seen = list(flown.disturbed(injection))
+        seen = flown.disturbed(injection)
         detector.resume(before)
         reference = clean[injection.onset :]
         frames = [judged(c, s) for c, s in zip(reference, seen, strict=False)]
