@@ -16,6 +16,7 @@
 /* Or until its disparity has moved by this, if nothing is matched there and that takes no longer than FOLLOW_S. */
 #define HOLD_PX 0.6
 #define DEPTH_PASSED_M 0.05 /* a track nearer than this along z is behind the camera */
+#define LOST_PX (1.0 / VISTA_DISPARITY_SCALE) /* one that went on to where no word can be is lost */
 
 /* N and M of this track: what is linked over a larger distance has to show it more often. */
 static int32_t window_length(const vista_tracker_params *params, const vista_track *track) {
@@ -37,6 +38,7 @@ bool vista_track_look(const vista_track_frame *f, vista_track *track, vista_trac
   if (!isfinite(camera_m[0] + camera_m[1] + camera_m[2]) || camera_m[2] <= DEPTH_PASSED_M) return false;
   vista_track_filter_view(f->params, f->camera, f->pose, vista_seconds_between(track->hit_t_ns, f->t_ns), track, view);
   const double *const at_px = view->measurement_px;
+  if (at_px[2] < LOST_PX) return false;
   track->in_view = vista_matched_holds(f->matched, f->camera, at_px[0], at_px[1], at_px[2]);
   /* A sigma of doubt counts as blind: no track is blamed where the engine might not match. What left the image
    * before it came near is not blind, it is out of view. */
