@@ -96,7 +96,7 @@ def test_an_aim_that_is_not_there_is_refused(tmp_path, capsys):
 def test_glare_and_faults_reach_the_flight(monkeypatch):
     monkeypatch.setattr(hunt, "WAY_M", 14.0)
     assert hunt.conditions_of({"pose_noise": 0.7, "glare": 0.3}, 160).pose_noise
-    sun = {"sun_from_deg": 0.0, "sun_height_deg": 10.0, "speed_m_s": 8.0, "aside_m": 8.0}
+    sun = {"sun_from_deg": 0.0, "sun_height_deg": 10.0, "speed_m_s": 8.0, "aside_m": 2.0}
     plain, glaring = (hunt.fly(1, 160, sun | {"glare": glare}) for glare in (0.0, 0.6))
     assert plain != glaring
 
