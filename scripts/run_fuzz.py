@@ -17,6 +17,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
 
+from vista.command.arguments import positive
 from vista_eval.report.table import Table, write_measurement
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -42,8 +43,8 @@ class Outcome:
     def row(self) -> tuple[str, ...]:
         frames = "" if self.frames is None else f"{self.frames:,}"
         edges = f"{self.edges:,} of {self.all_edges:,}"
-        end = "1" if self.failed else "0"  # it stops there
-        return (self.target, f"{self.executions:,}", frames, f"{self.minutes:.1f}", edges, end)
+        failures = "1" if self.failed else "0"  # a target stops at its first
+        return (self.target, f"{self.executions:,}", frames, f"{self.minutes:.1f}", edges, failures)
 
 
 def table(outcomes: Sequence[Outcome]) -> Table:
@@ -63,8 +64,8 @@ def run_corpus(target: str) -> subprocess.CompletedProcess[str]:
 
 
 def fuzz(target: str, *limits: str, jobs: int = 1) -> tuple[Outcome, str]:
-    """libFuzzer from the corpora on, in so many processes that take over what the others find; and what they
-    printed."""
+    """Runs libFuzzer from the corpora on, in `jobs` processes, each of which takes over the inputs that the
+    others find. Returns what they did and what they printed."""
     kept, failures = FUZZ / "corpus" / target, FUZZ / "failures"
     for folder in (kept, failures):
         folder.mkdir(parents=True, exist_ok=True)
@@ -77,6 +78,8 @@ def fuzz(target: str, *limits: str, jobs: int = 1) -> tuple[Outcome, str]:
     with ExitStack() as stack:
         printed = [stack.enter_context(TemporaryFile("w+", errors="replace")) for _ in range(jobs)]
         running = [subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=file) for file in printed]
+        for process in running:
+            stack.callback(process.kill)  # of use where this is interrupted
         failed = any([process.wait() != 0 for process in running])
         minutes = (perf_counter() - start_s) / 60.0
         for file in printed:
@@ -104,21 +107,39 @@ def read_outcome(target: str, failed: bool, minutes: float, texts: Sequence[str]
     )
 
 
+def asked(text: str) -> tuple[str, int | None]:
+    """A target, and its seconds if it has its own: TARGET or TARGET=SECONDS."""
+    target, equals, seconds = text.partition("=")
+    if target not in targets():
+        raise argparse.ArgumentTypeError(f"{target!r} is no target; there are {', '.join(targets())}")
+    return target, positive(seconds) if equals else None
+
+
+def targets() -> list[str]:
+    return sorted(path.name for path in CORPUS.iterdir())
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("targets", nargs="+", metavar="TARGET[=SECONDS]")
-    parser.add_argument("--seconds", type=int, default=600, help="for a target without its own (default 600)")
-    parser.add_argument("--jobs", type=int, default=1, help="processes for each target (default 1)")
-    parser.add_argument("--out", type=Path, default=FUZZ / "fuzz.json", help="figures, as JSON")
+    parser.add_argument("targets", nargs="+", metavar="TARGET[=SECONDS]", type=asked)
+    parser.add_argument(
+        "--seconds", type=positive, default=600, help="for a target that names none (default 600)"
+    )
+    parser.add_argument("--jobs", type=positive, default=1, help="processes for each target (default 1)")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=FUZZ / "fuzz.json",
+        help="file of the table (default build/fuzz/fuzz.json)",
+    )
     arguments = parser.parse_args()
     if not has_fuzzer():
         print("there is no clang with libFuzzer: only the committed inputs are run")
-        return max(run_corpus(target.partition("=")[0]).returncode for target in arguments.targets)
+        return max(run_corpus(target).returncode for target, _ in arguments.targets)
     outcomes = []
-    for asked in arguments.targets:
-        target, _, seconds = asked.partition("=")
+    for target, seconds in arguments.targets:
         outcome, text = fuzz(target, f"-max_total_time={seconds or arguments.seconds}", jobs=arguments.jobs)
         outcomes.append(outcome)
         print(table([outcome]).as_text(), flush=True)

@@ -295,6 +295,16 @@ def test_the_blind_zone_ends_after_a_set_time() -> None:
     assert 290 < alive < 300
 
 
+@pytest.mark.parametrize(("gap_s", "lives"), [(1.0, True), (1e7, False)])
+def test_a_track_that_went_on_to_where_nothing_is_matched_is_lost(gap_s: float, lives: bool) -> None:
+    tracker = Tracker()
+    for frame in range(20):
+        tracker.update(DT * frame, [seen_at((0.2, 0.1, 30.0 + 6.0 * DT * frame))])
+    assert tracker.tracks[1].velocity_m_s[2] > 1.0
+    tracker.update(DT * 19 + gap_s, [])
+    assert bool(tracker.tracks) == lives
+
+
 def test_out_of_view_is_not_blamed_but_ends() -> None:
     tracker, still = Tracker(), (0.0, 0.0, 0.0)
     for frame in range(5):
