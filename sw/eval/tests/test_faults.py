@@ -96,20 +96,39 @@ def test_recordings_whose_names_begin_alike_have_draws_of_their_own() -> None:
     assert len(drawn) == 3
 
 
+SILENT = {
+    "kind": "fog",
+    "strength": 0.5,
+    "outcome": "silent",
+    "reasons": (),
+    "recording": "a",
+    "healthy": 7,
+    "frames": 9,
+}
+
+
 def test_the_share_that_is_silent_has_an_exact_interval() -> None:
-    silent = {"kind": "fog", "strength": 0.5, "outcome": "silent", "reasons": (), "recording": "a"}
-    rows = table([silent] + 99 * [silent | {"outcome": "masked"}], "kind").rows
+    rows = table([SILENT] + 99 * [SILENT | {"outcome": "masked"}], "kind").rows
     assert rows[-1] == ("all", "100", "99", "0", "0", "0", "1", "0.0 to 5.4 %", "")
 
 
 def test_the_page_and_the_documentation_have_the_table_of_every_grouping() -> None:
-    silent = {"kind": "fog", "strength": 0.5, "outcome": "silent", "reasons": (), "recording": "a"}
-    found = Faults([Path("a")], [Part(1, 0, ("fog",))]).scoring([[silent], [silent]], {})
-    assert found.figures == {"injections": 2, "silent": 2} and found.content == {"results": [silent, silent]}
+    found = Faults([Path("a")], [Part(1, 0, ("fog",))]).scoring([[SILENT], [SILENT]], {})
+    assert found.figures == {"injections": 2, "silent": 2} and found.content == {"results": [SILENT, SILENT]}
     assert [table.name for table in found.stated] == ["faults-kinds", "faults", "faults-recordings"]
     assert [table.name for table in found.shown] == ["faults-kinds"]
     assert [section.tables for section in found.page.sections] == [[table] for table in found.stated]
     assert "By recording" in found.page.render()
+
+
+def test_recordings_have_their_healthy_frames_beside_what_was_injected() -> None:
+    found = table([SILENT, SILENT, SILENT | {"recording": "b", "healthy": 2, "frames": 3}], "recording")
+    assert found.heads[:3] == ("recording", "healthy as it is", "times")
+    assert [row[:3] for row in found.rows] == [
+        ("a", "7 of 9", "2"),
+        ("b", "2 of 3", "1"),
+        ("all", "9 of 12", "3"),
+    ]
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -248,6 +248,7 @@ def campaign(values: parameters.Values, part: Part, folder: Path) -> list[dict[s
     detector = flown.detector
     clean = [flown.frame(shot, None) for shot in flown.shots]
     detector.reset()
+    healthy = sum(seen.state == State.HEALTHY for seen in clean)
     results, at = [], 0
     for injection in injections(random_of(part, folder.name), clean, part.kinds):
         while at < injection.onset:
@@ -267,6 +268,8 @@ def campaign(values: parameters.Values, part: Part, folder: Path) -> list[dict[s
             asdict(injection)
             | {
                 "recording": folder.name,
+                "healthy": healthy,  # frames of the recording as it is,
+                "frames": len(clean),  # of so many
                 "outcome": outcome_of(frames),
                 "alarm": alarms[0] if alarms else None,
                 "reasons": seen[alarms[0]].reasons if alarms else (),
@@ -289,16 +292,19 @@ def table(results: Sequence[dict[str, Any]], by: str = "strength") -> Table:
                 chosen = [r for r in results if (r["kind"], r["strength"]) == (name, strength)]
                 groups[f"{name}, {strength:g} {kind.unit}"] = chosen
     rows = [row(name, chosen) for name, chosen in groups.items() if chosen]
-    heads = (
-        "recording" if by == "recording" else "injected",
-        "times",
-        *OUTCOMES,
-        "silent, 95 %",
-        "first named",
-    )
+    rows.append((*row("all", results)[:-1], ""))
+    heads: tuple[str, ...] = ("injected", "times", *OUTCOMES, "silent, 95 %", "first named")
+    if by == "recording":
+        heads = ("recording", "healthy as it is", *heads[1:])
+        as_it_is = [(chosen[0]["healthy"], chosen[0]["frames"]) for chosen in groups.values()]
+        as_it_is.append((sum(healthy for healthy, _ in as_it_is), sum(frames for _, frames in as_it_is)))
+        rows = [
+            (one[0], f"{healthy} of {frames}", *one[1:])
+            for one, (healthy, frames) in zip(rows, as_it_is, strict=True)
+        ]
     name = {"strength": "faults", "kind": "faults-kinds", "recording": "faults-recordings"}[by]
     title = "" if by == "kind" else f"By {by}"
-    return Table(name, heads, [*rows, (*row("all", results)[:-1], "")], title=title)
+    return Table(name, heads, rows, title=title)
 
 
 def row(name: str, results: Sequence[dict[str, Any]]) -> tuple[str, ...]:
