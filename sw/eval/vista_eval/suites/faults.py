@@ -267,9 +267,9 @@ def campaign(values: parameters.Values, part: Part, folder: Path) -> list[dict[s
         results.append(
             asdict(injection)
             | {
-                "recording": folder.name,
-                "healthy": healthy,  # frames of the recording as it is,
-                "frames": len(clean),  # of so many
+                "recording": str(folder),
+                "healthy": healthy,  # frames of the recording as it is
+                "frames": len(clean),
                 "outcome": outcome_of(frames),
                 "alarm": alarms[0] if alarms else None,
                 "reasons": seen[alarms[0]].reasons if alarms else (),
@@ -294,12 +294,12 @@ def table(results: Sequence[dict[str, Any]], by: str = "strength") -> Table:
     rows = [row(name, chosen) for name, chosen in groups.items() if chosen]
     rows.append((*row("all", results)[:-1], ""))
     heads: tuple[str, ...] = ("injected", "times", *OUTCOMES, "silent, 95 %", "first named")
-    if by == "recording":
+    if by == "recording":  # by its path: several may have one name
         heads = ("recording", "healthy as it is", *heads[1:])
         as_it_is = [(chosen[0]["healthy"], chosen[0]["frames"]) for chosen in groups.values()]
         as_it_is.append((sum(healthy for healthy, _ in as_it_is), sum(frames for _, frames in as_it_is)))
         rows = [
-            (one[0], f"{healthy} of {frames}", *one[1:])
+            (Path(one[0]).name, f"{healthy} of {frames}", *one[1:])
             for one, (healthy, frames) in zip(rows, as_it_is, strict=True)
         ]
     name = {"strength": "faults", "kind": "faults-kinds", "recording": "faults-recordings"}[by]
