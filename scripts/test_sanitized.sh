@@ -11,8 +11,8 @@ make --no-print-directory -j "$(nproc)" native systemc BUILD="$VISTA_BUILD" DEVE
   SANITIZE="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize=null,object-size,pointer-overflow -fno-sanitize-recover=all"
 
 tests=("$@")
-# With more processes than there are processors, those that fly in real time lose too many frames. All of them lie in these
-# folders.
+# With more processes than there are processors, the tests that fly in real time lose too many frames. All tests that reach
+# C and C++ code lie in these folders.
 [ $# -gt 0 ] || tests=(-n "$(nproc)" --max-worker-restart=0 -m "native and not same_c" model sw/tests)
 
 # Python itself is not instrumented: the run-time comes first by preload, and its leaks are not ours.
