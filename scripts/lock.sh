@@ -5,7 +5,7 @@ cd "$(dirname "$0")/requirements"
 readonly tools=../../build/lock-tools
 [ -x $tools/bin/pip-compile ] || { python3 -m venv $tools && $tools/bin/pip install --quiet pip-tools==7.6.2; }
 export CUSTOM_COMPILE_COMMAND="make lock"
-for set_name in ${*:-pip build run fly test rtl docs jobs board analyse ros}; do # each after those that constrain it
+for set_name in ${*:-pip build run fly test rtl docs jobs board analyse betaflight ros}; do # each after those that constrain it
   echo "locking $set_name"
   case $set_name in
     run) # what a checkout has: the product with an extra, and the evaluation, without the product itself

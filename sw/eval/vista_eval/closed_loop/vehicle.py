@@ -60,22 +60,29 @@ class State(NamedTuple):
         return pose
 
 
-def airframe() -> tuple[Any, Any]:
-    """The model of rotorpy, and how rotations are made for it."""
+def airframe(control: str = "cmd_motor_thrusts", step_s: float = STEP_S) -> tuple[Any, Any]:
+    """The model of rotorpy, by what it is controlled, and how rotations are made for it."""
     try:
         from rotorpy.vehicles.multirotor import Multirotor as Model
         from rotorpy.vehicles.px4_sihsim_quadx_params import quad_params
         from scipy.spatial.transform import Rotation
     except ModuleNotFoundError as error:
         raise InputError("vista fly", f"{error.name} is not installed: {INSTALL}") from None
-    tolerances = {"method": "RK23", "rtol": 1e-3, "atol": 1e-5, "first_step": STEP_S}
-    return Model(quad_params, control_abstraction="cmd_motor_thrusts", integrator_kwargs=tolerances), Rotation
+    tolerances = {"method": "RK23", "rtol": 1e-3, "atol": 1e-5, "first_step": step_s}
+    return Model(quad_params, control_abstraction=control, integrator_kwargs=tolerances), Rotation
 
 
 class Multirotor:
-    def __init__(self, position_m: np.ndarray, heading_rad: float, limits: Limits = Limits()) -> None:
+    def __init__(
+        self,
+        position_m: np.ndarray,
+        heading_rad: float,
+        limits: Limits = Limits(),
+        control: str = "cmd_motor_thrusts",
+        step_s: float = STEP_S,
+    ) -> None:
         self.limits = limits
-        self._model, self._rotation = airframe()
+        self._model, self._rotation = airframe(control, step_s)
         hover_rad_s = math.sqrt(self._model.mass * GRAVITY_M_S2 / 4 / self._model.k_eta)
         self._state = {
             "x": np.array(position_m, float),
@@ -99,12 +106,16 @@ class Multirotor:
         """Flies on for STEP_S."""
         self._turn(setpoint)
         force = self._model.mass * (self.asked_m_s2(setpoint) + np.array([0.0, 0.0, GRAVITY_M_S2]))
-        told = {"cmd_motor_thrusts": self.thrusts_n(force)}
         self._state["wind"] = np.asarray(wind_m_s, float)
         before = self._state["v"]
-        self._state = self._model.step(self._state, told, STEP_S)
+        self._fly(force)
         acceleration = (self._state["v"] - before) / STEP_S
         self._acceleration += STEP_S / SMOOTHED_S * (acceleration - self._acceleration)
+
+    def _fly(self, force_n: np.ndarray) -> None:
+        """Flies on for STEP_S, after this force."""
+        told = {"cmd_motor_thrusts": self.thrusts_n(force_n)}
+        self._state = self._model.step(self._state, told, STEP_S)
 
     def _turn(self, setpoint: Setpoint) -> None:
         """Asks for the turn that brings the heading to the setpoint's, as fast as the yaw can follow."""
@@ -117,9 +128,7 @@ class Multirotor:
         """The thrust of each rotor that turns the vehicle's up to the force, and gives its upright part."""
         state, model = self.state, self._model
         most_n = model.k_eta * model.rotor_speed_max**2
-        upright = max(float(state.rotation[2, 2]), LEAST_UPRIGHT)
-        least, highest = (4 * share * most_n for share in THRUST_RANGE)
-        up = state.rotation.T @ force_n / np.linalg.norm(force_n)  # in the body
+        up = self.up(force_n)
         turning = np.array(  # rad/s2
             [
                 -TILT_GAIN * up[1] - RATE_GAIN * state.rates_rad_s[0],
@@ -128,10 +137,21 @@ class Multirotor:
             ]
         )
         moment = model.inertia @ turning
-        shares = model.TM_to_f * np.array([np.clip(force_n[2] / upright, least, highest), *moment])
+        shares = model.TM_to_f * np.array([self.collective_n(force_n), *moment])
         thrust, tilt, yaw = shares[:, 0], shares[:, 1] + shares[:, 2], shares[:, 3]
         tilted = thrust + fitting(thrust, tilt, most_n) * tilt
         return tilted + fitting(tilted, yaw, most_n) * yaw
+
+    def up(self, force_n: np.ndarray) -> np.ndarray:
+        """The direction of the force, in the body."""
+        return self.state.rotation.T @ force_n / np.linalg.norm(force_n)
+
+    def collective_n(self, force_n: np.ndarray) -> float:
+        """The thrust of all rotors whose upright part is the force's, within THRUST_RANGE."""
+        most_n = 4 * self._model.k_eta * self._model.rotor_speed_max**2
+        upright = max(float(self.state.rotation[2, 2]), LEAST_UPRIGHT)
+        least, highest = (share * most_n for share in THRUST_RANGE)
+        return float(np.clip(force_n[2] / upright, least, highest))
 
     def asked_m_s2(self, setpoint: Setpoint) -> np.ndarray:
         """The acceleration that brings the vehicle to the setpoint, within its limits."""

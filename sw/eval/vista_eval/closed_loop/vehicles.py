@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from vista_eval.closed_loop import vehicle, wing
+from vista_eval.closed_loop import betaflight, vehicle, wing
 from vista_eval.closed_loop.setpoint import Setpoint
 from vista_eval.closed_loop.vehicle import GRAVITY_M_S2, State
 from vista_eval.closed_loop.world import World
@@ -48,18 +48,25 @@ class Kind:
     view_deg: float = 87.0
 
 
+MULTIROTOR = Kind(
+    "multirotor",
+    lambda position_m, heading_rad, speed_m_s: vehicle.Multirotor(position_m, heading_rad),
+    vehicle.airframe,
+    {"vehicle": "multirotor", "acceleration_max_m_s2": ACCELERATION_M_S2},
+    hovers=True,
+    avoiding_m=lambda speed_m_s: speed_m_s * BRAKE_LAG_S + speed_m_s**2 / (2 * BRAKING_M_S2),
+    reached_m=2.0,
+    passed_m=3.0,
+)
 VEHICLES: dict[str, Kind] = {
     kind.name: kind
     for kind in (
-        Kind(
-            "multirotor",
-            lambda position_m, heading_rad, speed_m_s: vehicle.Multirotor(position_m, heading_rad),
-            vehicle.airframe,
-            {"vehicle": "multirotor", "acceleration_max_m_s2": ACCELERATION_M_S2},
-            hovers=True,
-            avoiding_m=lambda speed_m_s: speed_m_s * BRAKE_LAG_S + speed_m_s**2 / (2 * BRAKING_M_S2),
-            reached_m=2.0,
-            passed_m=3.0,
+        MULTIROTOR,
+        replace(
+            MULTIROTOR,
+            name="betaflight",
+            make=lambda position_m, heading_rad, speed_m_s: betaflight.Betaflight(position_m, heading_rad),
+            needs=betaflight.program,
         ),
         Kind(
             "fixed-wing",

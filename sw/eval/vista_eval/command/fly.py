@@ -3,7 +3,8 @@
 What the cameras show decides what is flown, and that decides what they show next. Each flight is a multirotor
 with motors that saturate, or a fixed wing of JSBSim, in wind and before rendered cameras; collisions are
 exact. DIR receives a folder for each flight with its record, fly.json and fly.html, which begins with the
-worst flights.
+worst flights. `--vehicle betaflight` is the multirotor with the flight controller Betaflight, which
+`make betaflight` builds.
 
 `--list` names the families of worlds and what flies them. A multirotor needs rotorpy, which is installed
 without its own dependencies (pip install --no-deps rotorpy==3.0.0), and scipy; a fixed wing needs jsbsim.
@@ -19,7 +20,7 @@ from vista.errors import EXIT_OK, InputError
 
 from vista_eval.jobs import add_place, chosen_place
 
-VEHICLES = "multirotor", "fixed-wing"
+VEHICLES = "multirotor", "fixed-wing", "betaflight"
 DEFAULT_RIVALS = ("none", "brake", "planner")
 LEAST_WIDTH_PX = 160
 VIEW_DEG = (20.0, 110.0)
