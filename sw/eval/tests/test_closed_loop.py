@@ -72,6 +72,18 @@ def test_the_tree_finds_what_looking_at_every_triangle_finds():
         )
 
 
+def test_each_of_many_things_is_named_by_what_is_nearest():
+    """The last block of triangles is shorter than the others, and may be looked at before them."""
+    rng = np.random.default_rng(17)
+    things = [
+        thing(f"box{k}", "box", [mesh(f"box{k}", box(center, (3.0, 3.0, 3.0), 0.3))])
+        for k, center in enumerate(rng.uniform(-20, 20, (17, 3)))
+    ]
+    made, alone = Geometry(Scene(tuple(things), TO_SUN)), [Geometry(Scene((one,), TO_SUN)) for one in things]
+    for point in rng.uniform(-25, 25, (200, 3)):
+        assert made.nearest(point).name == min(one.nearest(point) for one in alone)[1]
+
+
 def test_of_things_of_all_kinds_the_nearest_is_named():
     rod = thing("wire", "wire", [Cylinder("wire", (0.0, -5.0, 2.0), (0.0, 5.0, 2.0), 0.01, GREY)])
     ball = thing("ball", "ball", [Sphere("ball", (6.0, 0.0, 2.0), 1.0, GREY)])

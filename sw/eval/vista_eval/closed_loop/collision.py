@@ -95,10 +95,12 @@ class Triangles:
             chosen = blocks[first:last]
             chosen = chosen[bound[chosen] < best]
             if len(chosen):
-                distance = to_triangles_m(point, np.concatenate([self.block(k) for k in chosen.tolist()]))
+                numbers = chosen.tolist()
+                distance = to_triangles_m(point, np.concatenate([self.block(k) for k in numbers]))
                 k = int(np.argmin(distance))
                 if distance[k] < best:
-                    best, owner = float(distance[k]), int(self.owner[chosen[k // BLOCK] * BLOCK + k % BLOCK])
+                    owners = np.concatenate([self.owner[b * BLOCK : (b + 1) * BLOCK] for b in numbers])
+                    best, owner = float(distance[k]), int(owners[k])
         return best, owner
 
     def block(self, k: int) -> np.ndarray:
