@@ -224,6 +224,22 @@ def test_what_is_too_near_is_not_in_the_way_of_getting_away_from_it() -> None:
         assert (decision.chosen >= 0 and chosen.direction[2] > 0.9 and chosen.speed_m_s > 0.9) == passes
 
 
+def test_what_is_seen_through_is_free_before_an_obstacle_whose_range_is_hardly_known() -> None:
+    """As before ground that is seen at a grazing angle, or a track that has just begun."""
+    for range_m, free in ((30.0, True), (6.0, False)):
+        thing = {
+            "id": 7,
+            "confirmed": True,
+            "position_m": [0.0, 0.0, range_m],
+            "extent_m": [4.0, 4.0],
+            "covariance_m2": np.diag([1.0, 1.0, 400.0]).ravel().tolist(),
+        }
+        decision = Planner().decide(seen_world(), state_of(velocity=(0.0, 0.0, 5.0)), goal_of(), [thing])
+        straight = next(o for o in decision.options if o.primitive == "straight")
+        assert (straight.ruling == "chosen") == free
+        assert (straight.ruling == "by_obstacle") == (not free)
+
+
 def lengths(planner: Planner, **state) -> set[float]:
     """What the cells of the grid cost, as they are at that place and time."""
     lib.vista_plan_spread(planner.handle, state_of(**state), [0.0, 0.0, 200.0])
@@ -485,6 +501,21 @@ def test_beside_what_it_would_sway_into_it_flies_without() -> None:
         decision = Planner(plan__climb_max_m_s=0.0).decide(seen_world(), state_of(), goal_of(), sides)
         assert decision.action == "proceeds"
         assert (np.ptp(decision.points["position_m"][:, 0]) > 0.05) == sways
+
+
+def test_where_nothing_passes_any_more_it_stops_at_once() -> None:
+    """It was about to fly faster for 0.4 s. Two frames of six see that something may be in the way."""
+    planner, goal = Planner(plan__climb_max_m_s=0.0), goal_of()
+    told = planner.decide(seen_world(), state_of(velocity=(0.0, 0.0, 2.0)), goal).at(0.1)
+    space = seen_world(frames=4)
+    for k in range(2):
+        space.take(scene([Wall(2.6)]), 1.05 + 0.05 * k, up_camera=UP)
+    acceleration = told.acceleration_m_s2.tolist()
+    state = state_of(told.position_m, told.velocity_m_s, 1.1, acceleration_m_s2=acceleration)
+    decision = planner.decide(space, state, goal)
+    assert decision.action == "escapes"
+    assert decision.options[decision.chosen].primitive == "stop"
+    assert decision.at(0.4).velocity_m_s[2] < 1.7
 
 
 def test_before_what_it_cannot_avoid_it_brakes() -> None:

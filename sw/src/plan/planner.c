@@ -310,23 +310,46 @@ static void turn_away(work *w, double best_s) {
   if (!(best_s < INFINITY)) w->decision->action = VISTA_PLAN_ESCAPES;
 }
 
+/* For how long nothing is in the way of the plan in the decision; known: for how long it is known to be free. INFINITY: to
+ * its end. */
+static double free_s(work *w, bool known) {
+  vista_plan_option found = stop;
+  return vista_plan_check(&w->space, w->decision, !known, &found) ? INFINITY : found.after_s;
+}
+
+/* Stops at once, unless the rest of the plan that was committed to is free for longer: before it stops it may fly on for a
+ * while, and faster. Returns for how long nothing is in the way. */
+static double stop_or_fly_on(work *w) {
+  vista_plan_decision *const d = w->decision;
+  const double on_s = free_s(w, false), on_known_s = free_s(w, true);
+  if (circles(w) || w->brakes) return on_s;
+  d->chosen = d->option_count - 1; /* the stop */
+  (void)fly(w, &d->options[d->chosen], 0);
+  const double stop_s = free_s(w, false);
+  if (stop_s > on_s || (stop_s >= on_s && free_s(w, true) >= on_known_s)) return stop_s;
+  d->chosen = -1;
+  end_plan(w);
+  return on_s;
+}
+
 /* No manoeuvre passes. What is in the way of the escape as well may yet be met later on another way. */
 static void escape(work *w) {
   vista_plan_decision *const d = w->decision;
-  vista_plan_option found = stop;
   end_plan(w);
   d->action = stands(w) ? VISTA_PLAN_HOLDS : VISTA_PLAN_ESCAPES;
   w->space.looks = 0; /* the manoeuvres may have left none, and what is not asked for is not in the way */
-  if (stops_here(w) || vista_plan_check(&w->space, d, true, &found)) return;
+  if (stops_here(w)) return;
+  const double on_s = stop_or_fly_on(w);
+  if (!(on_s < INFINITY)) return;
   d->action = VISTA_PLAN_HELPLESS;
   if (circles(w)) {
-    turn_away(w, found.after_s);
+    turn_away(w, on_s);
     return;
   }
   /* Where the stop is free for as long as what was committed to, it is the better end: the vehicle is slower there. */
   double longest_s;
   const int32_t longest = free_longest(w, &longest_s);
-  d->chosen = longest_s >= found.after_s ? longest : -1;
+  d->chosen = longest_s >= on_s ? longest : -1;
   if (d->chosen < 0)
     end_plan(w);
   else

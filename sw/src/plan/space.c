@@ -32,7 +32,8 @@ static double sigma_along_m(const double covariance_m2[9], const double axis[3])
 }
 
 /* From a point to the board that stands for an obstacle at `at_m`, facing the camera; squared. The board is wider by
- * sigma_m, and as deep as so many standard deviations of its position. */
+ * sigma_m, and as deep as so many standard deviations of its position, but no deeper than what is matched at its range
+ * may be off: what the map sees through before it is free, however little is known of how far the obstacle is. */
 static double apart2_m2(const vista_plan_space *space, const vista_obstacle *o, const double at_m[3], double sigma_m,
                         double sigmas, const double point_m[3]) {
   const vista_frame_view *const frame = space->seen.frame;
@@ -52,7 +53,8 @@ static double apart2_m2(const vista_plan_space *space, const vista_obstacle *o, 
   const double half_m = 0.5 * fmin(o->extent_m[0], WIDEST_M);
   const double x = fmax(fabs(vista_dot(apart, aside)) - half_m - sigma_m, 0.0);
   const double y = fmax(fabs(vista_dot(apart, up)) - 0.5 * o->extent_m[1] - sigma_m, 0.0);
-  const double deep_m = fmax(sigma_along_m(o->covariance_m2, sight) * sigmas, 0.5 * half_m);
+  const double off_m = vista_path_place_reach_m(frame->camera, range_m);
+  const double deep_m = fmax(fmin(sigmas * sigma_along_m(o->covariance_m2, sight), off_m), 0.5 * half_m);
   const double z = fmax(fabs(vista_dot(apart, sight)) - deep_m, 0.0);
   return x * x + y * y + z * z;
 }
