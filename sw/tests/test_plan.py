@@ -209,6 +209,19 @@ def test_what_the_vehicle_has_passed_was_seen_as_far_as_the_last_frame_that_had_
     assert free_beside(planner, 2.0) == [True, False, False]
 
 
+def test_what_was_seen_to_stand_is_not_seen_through_from_where_it_is_too_near_to_be_matched() -> None:
+    """The full resolution matches from 1.9 m on. A pole is let go of where it would be matched and is not."""
+    planner, space, place = Planner(), Space(collision_radius_m=RADIUS_M), (0.0, 0.0, 7.0)
+    pole, t_s, free = [Wall(7.0, (-0.15, 0.15))], 1.0, []
+    for walls, z_m in ((pole, 1.0), ((), 5.6), ((), 1.0), ((), 5.6)):
+        for _ in range(SPACE_FRAMES):
+            space.take(scene(walls, 20.0, np.array([0.0, 0.0, z_m])), t_s, up_camera=UP)
+            t_s += 0.1
+        free.append(is_free(planner, space, place, t_s))
+    assert free == [False, False, True, True]
+    assert not any(thing.t_ns for thing in planner.handle.things)
+
+
 def test_what_is_too_near_is_not_in_the_way_of_getting_away_from_it() -> None:
     """The vehicle flies on beside it, and not straight on before it."""
     for position, passes in (([-0.5, 0.0, 0.3], True), ([0.0, 0.0, 0.8], False)):

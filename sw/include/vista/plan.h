@@ -37,6 +37,7 @@ VISTA_BEGIN
 #define VISTA_PLAN_MOST_POINTS 128  /* of a trajectory, at most */
 #define VISTA_PLAN_MOST_OPTIONS 240 /* that are weighed in a decision, at most */
 #define VISTA_PLAN_SEEN 2048   /* places that were seen to be free, which are kept, at most */
+#define VISTA_PLAN_THINGS 64 /* points at which something stands near the vehicle, which are kept, at most */
 #define VISTA_PLAN_GRID 96     /* cells of half a radius along each side of the grid of ways */
 
 /* The vehicle at the time of the decision, not at that of the frame. */
@@ -149,6 +150,12 @@ typedef struct vista_plan_seen {
   int64_t t_ns; /* 0: none */
 } vista_plan_seen;
 
+/* A point at which something was matched that stands. */
+typedef struct vista_plan_thing {
+  double point_m[3];
+  int64_t t_ns; /* 0: none */
+} vista_plan_thing;
+
 /* A planner, in memory of the caller. Its members are the library's own. */
 typedef struct vista_planner {
   vista_plan_params params;
@@ -158,6 +165,7 @@ typedef struct vista_planner {
   int64_t t_ns; /* of the last state */
   double wanted[3]; /* velocity that was decided last */
   vista_plan_seen seen[VISTA_PLAN_SEEN];
+  vista_plan_thing things[VISTA_PLAN_THINGS];
   double level[2][3]; /* axes of the grid */
   int32_t first[2]; /* its first cell in `way` and `length`, */
   float length[VISTA_PLAN_GRID][VISTA_PLAN_GRID]; /* of a way through each cell, in its sides, */

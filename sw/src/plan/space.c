@@ -12,6 +12,7 @@
 #define AGREE_FRAMES 4 /* that have a place in view before it is free by what they see */
 #define ROOM_SHARE 0.5 /* of the radius: how far around a place out of view what was seen of it has to be free, */
 #define KEPT_S 8.0 /* for so long */
+#define TOLD_SHARE 0.8 /* of the radius of a ball in view: what touches its rim is seen as often as not */
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
@@ -86,11 +87,15 @@ static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool mov
 
 /* ---- what was seen to be free ---- */
 
-/* The memory of the places of a cube with sides of half a radius: of all that share it, the last one is kept. */
-static vista_plan_seen *seen_in(const vista_plan_space *space, const int64_t cube[3]) {
+static uint64_t hash_of(const int64_t cube[3]) {
   uint64_t hash = 0;
   for (int i = 0; i < 3; ++i) hash = (hash ^ (uint64_t)cube[i]) * UINT64_C(0x9E3779B97F4A7C15);
-  return &space->planner->seen[(hash >> 32) % VISTA_PLAN_SEEN];
+  return hash >> 32;
+}
+
+/* The memory of the places of a cube with sides of half a radius: of all that share it, the last one is kept. */
+static vista_plan_seen *seen_in(const vista_plan_space *space, const int64_t cube[3]) {
+  return &space->planner->seen[hash_of(cube) % VISTA_PLAN_SEEN];
 }
 
 static void cube_of(const vista_plan_space *space, const double point_m[3], int64_t cube[3]) {
@@ -155,6 +160,56 @@ void vista_plan_stand(vista_plan_space *space, const double point_m[3]) {
   if (free_near(space, point_m) == NULL) keep(space, point_m, 0.0);
 }
 
+/* ---- what stands too near to be matched ---- */
+
+/* From here on the full resolution matches. Nearer, a thin thing is seen by no level: a coarse one sees past it. */
+static double matched_from_m(const vista_frame_view *frame) {
+  const double most_px = frame->matched.disparity_max_px / (1 << frame->matched.coarser_levels);
+  return frame->camera->focal_px * frame->camera->baseline_m / most_px;
+}
+
+static bool is_alive(const vista_plan_space *space, const vista_plan_thing *thing) {
+  return thing->t_ns != 0 && vista_seconds_between(thing->t_ns, space->t_ns) < KEPT_S;
+}
+
+/* Keeps where something is matched: of two points that share a memory the one that is nearer to the vehicle, and the last
+ * one of a cube. */
+static void keep_thing(const vista_plan_space *space, const vista_place_evidence *shown) {
+  if (!(shown->disparity_px > 0.0)) return;
+  const vista_camera *const camera = space->seen.frame->camera;
+  const double depth_m = camera->focal_px * camera->baseline_m / shown->disparity_px;
+  const double camera_m[3] = {(shown->u_px - camera->center_u_px) * depth_m / camera->focal_px,
+                              (shown->v_px - camera->center_v_px) * depth_m / camera->focal_px, depth_m};
+  vista_plan_thing thing = {.t_ns = space->t_ns};
+  int64_t cube[3], others[3];
+  vista_frame_to_world(&vista_space_map_frame(space->seen.space, shown->age)->pose, camera_m, thing.point_m);
+  cube_of(space, thing.point_m, cube);
+  vista_plan_thing *const kept = &space->planner->things[hash_of(cube) % VISTA_PLAN_THINGS];
+  cube_of(space, kept->point_m, others);
+  const bool same = memcmp(cube, others, sizeof cube) == 0;
+  const bool nearer = vista_distance(thing.point_m, space->start_m) <= vista_distance(kept->point_m, space->start_m);
+  if (same || nearer || !is_alive(space, kept)) *kept = thing;
+}
+
+/* Whether something stands within so far of a place that is nearer to it than the vehicle is. */
+static bool stands_near(const vista_plan_space *space, const double point_m[3], double within_m) {
+  for (int32_t k = 0; k < VISTA_PLAN_THINGS; ++k) {
+    const vista_plan_thing *const thing = &space->planner->things[k];
+    if (!is_alive(space, thing)) continue;
+    const double apart_m = vista_distance(thing->point_m, point_m);
+    if (apart_m < within_m && apart_m < vista_distance(thing->point_m, space->start_m)) return true;
+  }
+  return false;
+}
+
+/* Lets go of what is seen through from where it would be matched. */
+static void let_go(const vista_plan_space *space, const double point_m[3], double within_m) {
+  for (int32_t k = 0; k < VISTA_PLAN_THINGS; ++k) {
+    vista_plan_thing *const thing = &space->planner->things[k];
+    if (thing->t_ns != 0 && vista_distance(thing->point_m, point_m) < within_m) thing->t_ns = 0;
+  }
+}
+
 /* What stands at a place, or is known of it. */
 static vista_plan_place ask(const vista_plan_space *space, const double point_m[3]) {
   static const vista_plan_place is_free = {.ruling = VISTA_PLAN_CHOSEN};
@@ -167,6 +222,13 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   const bool occupied = vista_path_place_is_occupied(&place), free_now = vista_path_place_is_free_now(&place);
   const bool in_view = frames >= AGREE_FRAMES || (frames > 0 && !free_now); /* or else it has just come into view */
   const bool is_seen_free = in_view && free_now;
+  const double range_m = vista_distance(point_m, space->seen.frame->motion.pose.translation_m);
+  const bool is_matched = range_m - place.shown.radius_m > matched_from_m(space->seen.frame);
+  if (in_view && occupied) keep_thing(space, &place.shown);
+  if (in_view && is_matched && is_seen_free) let_go(space, point_m, TOLD_SHARE * place.shown.radius_m);
+  const double within_m = in_view ? TOLD_SHARE * place.shown.radius_m : ROOM_SHARE * space->radius_m;
+  if (!(in_view && is_matched) && stands_near(space, point_m, within_m))
+    return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = true};
   if (in_view) keep_seen(space, point_m, place.shown.radius_m, is_seen_free);
   const vista_plan_seen *const seen = in_view ? NULL : free_near(space, point_m);
   if (is_seen_free || (seen != NULL && seen->radius_m > 0.0 && place.shown.lines == 0)) return is_free;

@@ -7,7 +7,9 @@
  * be. A place that was seen to be free counts as free for some seconds after it has left the view, as far around it as
  * half the radius of the ball that was seen is left: near the vehicle only a small one fits into the view. So the vehicle
  * can go back where it came from, and turn its camera to other ways. What stands nearer than the radius does not rule out
- * ways on which the vehicle comes no nearer to it. What moves by itself is where it will be at that time.
+ * ways on which the vehicle comes no nearer to it. What moves by itself is where it will be at that time. Where something
+ * was matched it stands for some seconds, unless it is seen through from where the full resolution would match it: from
+ * nearer, a pole is seen past.
  *
  * The circle of a fixed wing is wider than the view. What is out of view on it counts as free, and so does what is hidden,
  * from 1.5 s ahead on. If hidden places ruled the circle out, the aircraft would always turn away from what hides
