@@ -238,7 +238,7 @@ def test_what_is_too_near_is_not_in_the_way_of_getting_away_from_it() -> None:
 
 
 def test_what_is_seen_through_is_free_before_an_obstacle_whose_range_is_hardly_known() -> None:
-    """As before ground that is seen at a grazing angle, or a track that has just begun."""
+    """Ground that is seen at a grazing angle is such an obstacle, and so is a track that has just begun."""
     for range_m, free in ((30.0, True), (6.0, False)):
         thing = {
             "id": 7,
