@@ -78,6 +78,13 @@ def test_the_same_flight_is_the_same_to_the_byte_beside_another():
 
 
 @needs_program
+def test_it_flies_from_a_folder_whose_name_has_a_space(tmp_path, monkeypatch):
+    (tmp_path / "a b").symlink_to(betaflight.CHECKOUT)
+    monkeypatch.setattr(betaflight, "CHECKOUT", tmp_path / "a b")
+    FlightController().run(1_000_000)
+
+
+@needs_program
 def test_its_process_ends_with_it_and_one_that_ended_is_named():
     controller = FlightController()
     controller.process.kill()

@@ -107,7 +107,9 @@ class FlightController:
         self._told = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         given, self._give = os.pipe()
         self._done, done = os.pipe()
-        told = {"LD_PRELOAD": str(lockstep), "VISTA_LOCKSTEP": f"{given} {done} {self.offset}"}
+        # By a path without spaces, of which LD_PRELOAD makes several libraries.
+        (Path(self.folder.name) / lockstep.name).symlink_to(lockstep)
+        told = {"LD_PRELOAD": f"./{lockstep.name}", "VISTA_LOCKSTEP": f"{given} {done} {self.offset}"}
         with (Path(self.folder.name) / "log.txt").open("wb") as log:
             self.process = subprocess.Popen(
                 [sitl],
