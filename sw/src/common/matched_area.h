@@ -20,9 +20,14 @@ typedef struct vista_margins {
   double left_px, other_px;
 } vista_margins;
 
+/* The largest disparity that the full resolution matches, px. */
+static inline double vista_matched_finest_px(const vista_matched_area *area) {
+  return area->disparity_max_px / (1 << area->coarser_levels);
+}
+
 /* The margins around what can be matched at a disparity: those of the finest level that has it. */
 static inline vista_margins vista_matched_margins(const vista_matched_area *area, double disparity_px) {
-  double scale = 1.0, rim = 0.0, largest_px = area->disparity_max_px / (1 << area->coarser_levels);
+  double scale = 1.0, rim = 0.0, largest_px = vista_matched_finest_px(area);
   for (int32_t k = 0; k < area->coarser_levels && disparity_px > largest_px; ++k) {
     scale *= 2.0;
     largest_px *= 2.0;

@@ -321,8 +321,9 @@ static double free_s(work *w, bool known) {
  * while, and faster. Returns for how long nothing is in the way. */
 static double stop_or_fly_on(work *w) {
   vista_plan_decision *const d = w->decision;
-  const double on_s = free_s(w, false), on_known_s = free_s(w, true);
+  const double on_s = free_s(w, false);
   if (circles(w) || w->brakes) return on_s;
+  const double on_known_s = free_s(w, true);
   d->chosen = d->option_count - 1; /* the stop */
   (void)fly(w, &d->options[d->chosen], 0);
   const double stop_s = free_s(w, false);

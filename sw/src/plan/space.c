@@ -12,7 +12,6 @@
 #define AGREE_FRAMES 4 /* that have a place in view before it is free by what they see */
 #define ROOM_SHARE 0.5 /* of the radius: how far around a place out of view what was seen of it has to be free, */
 #define KEPT_S 8.0 /* for so long */
-#define TOLD_SHARE 0.8 /* of the radius of a ball in view: what touches its rim is seen as often as not */
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
@@ -164,8 +163,7 @@ void vista_plan_stand(vista_plan_space *space, const double point_m[3]) {
 
 /* From here on the full resolution matches. Nearer, a thin thing is seen by no level: a coarse one sees past it. */
 static double matched_from_m(const vista_frame_view *frame) {
-  const double most_px = frame->matched.disparity_max_px / (1 << frame->matched.coarser_levels);
-  return frame->camera->focal_px * frame->camera->baseline_m / most_px;
+  return frame->camera->focal_px * frame->camera->baseline_m / vista_matched_finest_px(&frame->matched);
 }
 
 static bool is_alive(const vista_plan_space *space, const vista_plan_thing *thing) {
@@ -225,10 +223,12 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   const double range_m = vista_distance(point_m, space->seen.frame->motion.pose.translation_m);
   const bool is_matched = range_m - place.shown.radius_m > matched_from_m(space->seen.frame);
   if (in_view && occupied) keep_thing(space, &place.shown);
-  if (in_view && is_matched && is_seen_free) let_go(space, point_m, TOLD_SHARE * place.shown.radius_m);
-  const double within_m = in_view ? TOLD_SHARE * place.shown.radius_m : ROOM_SHARE * space->radius_m;
-  if (!(in_view && is_matched) && stands_near(space, point_m, within_m))
+  if (in_view && is_matched && is_seen_free) let_go(space, point_m, VISTA_PLACE_RADIUS_SHARE * place.shown.radius_m);
+  const double within_m = in_view ? VISTA_PLACE_RADIUS_SHARE * place.shown.radius_m : ROOM_SHARE * space->radius_m;
+  if (!(in_view && is_matched) && stands_near(space, point_m, within_m)) {
+    if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, .occupied = true};
     return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = true};
+  }
   if (in_view) keep_seen(space, point_m, place.shown.radius_m, is_seen_free);
   const vista_plan_seen *const seen = in_view ? NULL : free_near(space, point_m);
   if (is_seen_free || (seen != NULL && seen->radius_m > 0.0 && place.shown.lines == 0)) return is_free;
