@@ -119,10 +119,11 @@ def test_a_wall_is_met_where_a_ball_on_the_path_touches_it(lean: float, directio
 
 
 def test_a_tree_is_met_at_its_front() -> None:
-    """A crown: each block at a depth of its own, from 14 to 19 m. Its boundary says the middle."""
+    """A crown: each block at a depth of its own, from 14 to 19 m. Its boundary, from 16 m on, lies behind."""
     random, stages = seeded(5), Stages(camera())
-    mask = box((160, 120), 80, 80)
-    depth = np.kron(random.uniform(14.0, 19.0, (30, 40)), np.ones((8, 8)))
+    mask, inside = box((160, 120), 80, 80), box((160, 120), 64, 64)
+    near, far = (np.kron(random.uniform(m, 19.0, (30, 40)), np.ones((8, 8))) for m in (14.0, 16.0))
+    depth = np.where(inside, near, far)
     words = words_of(np.where(mask, 200.0 / depth, -1.0), random, 0.1)
     measure(stages, words, [mask])
     assert count(stages, words)[0] > 100
