@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_info
 from vista.errors import InputError
 from vista_eval.cache import digest_of
 from vista_eval.jobs import Job
@@ -25,6 +26,11 @@ def rows_of(seed: int) -> dict[str, Any]:
         "sorted": np.sort(values)[:3],
         "name": (f"{seed}", None),
     }
+
+
+def blas_threads(_seed: int) -> list[int]:
+    """How many threads each BLAS of this process has."""
+    return [int(pool["num_threads"]) for pool in threadpool_info() if pool["user_api"] == "blas"]
 
 
 def small_row(seed: int) -> dict[str, Any]:

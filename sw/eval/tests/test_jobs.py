@@ -16,6 +16,7 @@ from pathlib import Path
 import job_examples
 import pytest
 from job_examples import SEEDS, attempts_in, contents, kept_jobs, wait_for_attempt
+from threadpoolctl import threadpool_limits
 from vista.errors import EXIT_INPUT, EXIT_JOBS, JobsError
 from vista_eval.cache import to_json
 from vista_eval.jobs import ATTEMPTS, HERE, Failure, Job, Place, jobs_of, outcomes, run
@@ -40,6 +41,16 @@ def test_results_and_what_is_kept_do_not_depend_on_the_processes(place: Place, t
     assert run(kept_jobs(job_examples.rows_of), place, kept=tmp_path / "kept") == expected
     assert contents(tmp_path / "kept") == contents(tmp_path / "reference")
     assert len(contents(tmp_path / "kept")) == len(SEEDS)
+
+
+@pytest.mark.parametrize("place", [HERE, TWO])
+def test_a_job_has_one_core(place: Place) -> None:
+    with threadpool_limits(2, "blas"):
+        outside = job_examples.blas_threads(0)
+        assert outside and set(outside) == {2}
+        for found in run(jobs_of(job_examples.blas_threads, SEEDS[:2]), place):
+            assert found == [1] * len(found) and found
+        assert job_examples.blas_threads(0) == outside
 
 
 def test_only_what_is_not_kept_is_made(tmp_path: Path) -> None:

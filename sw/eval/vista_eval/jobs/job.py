@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
+from threadpoolctl import threadpool_limits
 from vista.errors import EXIT_INPUT, EXIT_JOBS, InputError
 
 ATTEMPTS = 3  # of a job whose worker dies each time
@@ -53,9 +54,11 @@ def jobs_of(
 
 
 def attempt(job: Job) -> Outcome:
-    """Makes the job; whatever it raises is its failure."""
+    """Makes the job on one core; whatever it raises is its failure. Threads of numpy's BLAS wait for each
+    other in a loop, and would take the cores of the jobs beside it."""
     try:
-        return Done(job.work())
+        with threadpool_limits(1, "blas"):
+            return Done(job.work())
     except InputError as error:
         return Failure(job.name, str(error), EXIT_INPUT)
     except KeyboardInterrupt:
