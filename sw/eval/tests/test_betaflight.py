@@ -107,3 +107,25 @@ def test_a_setting_that_it_does_not_take_is_named(monkeypatch):
             betaflight.settled()
     finally:
         betaflight.settled.cache_clear()
+
+
+@needs_program
+def test_a_dialogue_without_an_answer_is_begun_anew(monkeypatch):
+    """None is answered within no time at all; the second one has its time again."""
+    memory, begun, patience_s = betaflight.settled(), [], betaflight.TYPED_S
+
+    def tell(controller):
+        begun.append(controller)
+        monkeypatch.setattr(betaflight, "TYPED_S", patience_s if len(begun) > 1 else -1.0)
+        return told_settings(controller)
+
+    told_settings = betaflight.told_settings
+    monkeypatch.setattr(betaflight, "told_settings", tell)
+    betaflight.settled.cache_clear()
+    assert betaflight.settled() == memory
+    assert len(begun) == 2
+    betaflight.settled.cache_clear()
+    monkeypatch.setattr(betaflight, "DIALOGUES", 1)
+    begun.clear()
+    with pytest.raises(InputError, match="does not answer"):
+        betaflight.settled()

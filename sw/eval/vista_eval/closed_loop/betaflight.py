@@ -53,6 +53,8 @@ GRACE_S, ARMING_S, HOVER_S = (
     0.5,
 )  # before it can be armed, until it is, with the thrust that carries it
 ANSWER_S = 20.0  # of the computer's time: it has stopped when it has not answered for so long
+# One dialogue in a hundred is not answered: threads of Betaflight share the connection without a lock.
+TYPED_S, DIALOGUES = 5.0, 4
 
 # Rates that are linear in the stick, a switch that arms, and gains for this airframe. Motors that lag 50 ms
 # leave less integral and ask for more differential gain than Betaflight has by default. The drag of its
@@ -184,13 +186,22 @@ def free_ports() -> tuple[socket.socket, int]:
     raise InputError("Betaflight", f"no port from {MOTORS_PORT} on is free")
 
 
+class UnansweredError(InputError):
+    """The command line of Betaflight is not there, or has said nothing for TYPED_S."""
+
+
 @cache
 def settled() -> bytes:
     """The memory of a controller that was told SETTINGS, as its users tell it: typed, and saved."""
-    controller = FlightController()
+    for _ in range(DIALOGUES - 1):
+        with contextlib.suppress(UnansweredError):
+            return told_settings(FlightController())
+    return told_settings(FlightController())
+
+
+def told_settings(controller: FlightController) -> bytes:
     controller.run(round(READY_S * 1e9))
-    with socket.create_connection((HOST, CLI_PORT + controller.offset)) as typed:
-        typed.setblocking(False)
+    with connection(CLI_PORT + controller.offset) as typed:
         typed.sendall(b"#")
         answer(controller, typed)
         for line in SETTINGS:
@@ -207,9 +218,18 @@ def settled() -> bytes:
     return controller.memory.read_bytes()
 
 
+def connection(port: int) -> socket.socket:
+    try:
+        typed = socket.create_connection((HOST, port))
+    except ConnectionRefusedError as error:
+        raise UnansweredError("Betaflight", f"its command line is not there: {error}") from None
+    typed.setblocking(False)
+    return typed
+
+
 def answer(controller: FlightController, typed: socket.socket) -> str:
     """What is said until the next prompt."""
-    said, until_s = "", time.monotonic() + ANSWER_S
+    said, until_s = "", time.monotonic() + TYPED_S
     while not said.endswith("\n# "):
         controller.run(BOOT_STEP_NS)
         try:
@@ -217,7 +237,7 @@ def answer(controller: FlightController, typed: socket.socket) -> str:
         except BlockingIOError:
             time.sleep(0.001)
         if time.monotonic() > until_s:
-            raise InputError("Betaflight", f"its command line does not answer: {said[-80:]!r}")
+            raise UnansweredError("Betaflight", f"its command line does not answer: {said[-80:]!r}")
     return said
 
 
