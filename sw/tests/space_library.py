@@ -116,6 +116,9 @@ class Space:
     def look(self, point, radius_m: float = RADIUS_M):
         return lib.vista_space_map_look(self.handle, [float(x) for x in point], radius_m)
 
+    def look_around(self, point, radius_m: float = RADIUS_M):
+        return lib.vista_space_map_look_around(self.handle, [float(x) for x in point], radius_m)
+
     def reset(self) -> None:
         lib.vista_space_map_reset(self.handle)
 

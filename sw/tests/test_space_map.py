@@ -126,6 +126,48 @@ def test_what_only_the_engine_has_words_of_bounds_nothing() -> None:
     assert found.votes == 0 and found.beyond > 0.95
 
 
+def test_words_of_the_engine_that_stand_alone_are_no_vote() -> None:
+    """As in the noise of the sky, and as near as a place by the camera is deep; two of a kind are no line."""
+    random, behind = seeded(9), scene([Wall(60.0)])
+    own = behind.words.copy()
+    v, u = np.indices(own.shape)
+    lone = (v % 4 == 0) & (u % 4 == 0)
+    own[lone] = random.integers(16 * 20, 16 * 64, np.count_nonzero(lone))
+    own[1::4, ::4] = own[::4, ::4]
+    near = (0.0, 0.0, FOCAL_PX * BASELINE_M / 40.0)
+    space = Space()
+    space.watch(behind, levels=[own])
+    found = space.look_around(near, 2.0)
+    assert (found.frames, found.votes) == (SPACE_FRAMES, 0)
+    own[:, ::4] = 16 * 40
+    space.reset()
+    space.watch(behind, levels=[own])
+    assert space.look_around(near, 2.0).votes == SPACE_FRAMES
+
+
+@pytest.mark.parametrize("side", ["below", "above", "right", "left"])
+def test_what_is_seen_through_now_is_that_of_the_half_that_is_hidden_most(side: str) -> None:
+    """A plain roof or wall beside a place hides a part of it: less and less is seen through of one half. What
+    is above is bounded by what is below it."""
+    v, u = np.indices((HEIGHT, WIDTH))
+    off_px = {
+        "below": v - HEIGHT // 2,
+        "above": HEIGHT // 2 - v,
+        "right": u - WIDTH // 2,
+        "left": WIDTH // 2 - u,
+    }
+    wall = scene([Wall(60.0)])
+    for off_m, whole, half in ((1.5, 1.0, 1.0), (0.5, 0.8, 0.62), (0.0, 0.5, 0.0)):
+        hidden = np.where(off_px[side] >= FOCAL_PX * off_m / 10.0, INVALID, wall.words).astype(np.int16)
+        found = shown_by(
+            replace(wall, words=hidden, ground=np.zeros_like(wall.ground)), (0.0, 0.0, 10.0), 1.0
+        )
+        if side == "above":
+            whole = half = 1.0
+        assert found.beyond == pytest.approx(whole, abs=0.06)
+        assert found.beyond_newest == pytest.approx(half, abs=0.08)
+
+
 def test_sky_above_a_far_horizon_is_free() -> None:
     ground = scene(ground_y_m=5.0)
     for z_m in (10.0, 25.0, 50.0):
@@ -150,24 +192,76 @@ def test_a_plain_wall_stands_where_its_foot_is_and_hides_what_is_behind_it() -> 
         assert (behind.votes, behind.feet) == (0, 0) and behind.beyond < 0.1
 
 
-def test_what_hangs_before_the_horizon_is_no_sky() -> None:
+MATCHED_TO_M, SKY_GREY = 60.0, 140
+
+
+def hazy(look: Look) -> tuple[Look, np.ndarray]:
+    """Its ground is matched up to MATCHED_TO_M, and lies deep below the horizon there; an image of ground
+    that fades into the sky."""
+    horizon, words = HEIGHT // 2, look.words.copy()
+    words[: horizon + round(FOCAL_PX * 8.0 / MATCHED_TO_M)] = INVALID
+    below = np.clip(np.arange(HEIGHT) - horizon, 0, None)
+    image = np.repeat((SKY_GREY + below // 2).astype(np.uint8)[:, None], WIDTH, axis=1)
+    return replace(look, words=words), image
+
+
+def painted(image: np.ndarray, board: Wall, grey: int) -> np.ndarray:
+    """With a plain board in it."""
+    (left, right), (top, bottom) = (FOCAL_PX * np.array(side) / board.z_m for side in (board.x_m, board.y_m))
+    rows = slice(max(round(HEIGHT / 2 + top), 0), round(HEIGHT / 2 + bottom))
+    columns = slice(max(round(WIDTH / 2 + left), 0), round(WIDTH / 2 + right))
+    image[rows, columns] = grey
+    return image
+
+
+NEAR_AND_FAR_M = (6.0, 10.0, 14.0)
+
+
+@pytest.mark.parametrize(
+    ("height_m", "grey"), [(20.0, 90), (20.0, 190), (3.0, SKY_GREY + 8), (3.0, SKY_GREY - 8)]
+)
+@pytest.mark.parametrize("spread_px", [0, 3])
+def test_what_hangs_before_the_horizon_is_no_sky(height_m: float, grey: int, spread_px: int) -> None:
     """A plain board 15 m ahead whose lower edge is 1 m below the path: the ground that shows below it is far,
-    as it is below the sky."""
-    board = Wall(15.0, (-6.0, 6.0), (-20.0, 1.0), textured=False)
-    for z_m in (6.0, 10.0, 14.0):
-        assert shown_by(scene([board], ground_y_m=8.0), (0.0, 0.0, z_m)).beyond < 0.4
-        assert shown_by(scene(ground_y_m=8.0), (0.0, 0.0, z_m)).beyond > 0.9
+    as it is below the sky. It differs from the ground by far, or its upper edge can be seen. Words of the
+    ground may reach beyond its lower edge."""
+    board = Wall(15.0, (-6.0, 6.0), (-height_m, 1.0), textured=False)
+    look, image = hazy(scene([board], ground_y_m=8.0))
+    if spread_px:
+        rows = slice(round(HEIGHT / 2 + FOCAL_PX / board.z_m) - spread_px, None)
+        look.words[rows] = np.maximum(look.words[-1] // 8, look.words[rows])
+    for z_m in NEAR_AND_FAR_M:
+        assert shown_by(look, (0.0, 0.0, z_m), image=painted(image, board, grey)).beyond < 0.4
+
+
+@pytest.mark.parametrize("off_px", [-2, 0, 2])
+@pytest.mark.parametrize("width", [WIDTH, 2 * WIDTH])
+def test_sky_above_ground_that_fades_is_free(width: int, off_px: int) -> None:
+    """It is not where nobody saw whether it fades. The horizon is no edge, also when off by pixels."""
+    times = width // WIDTH
+    lens = camera(width, times * HEIGHT, times * FOCAL_PX, BASELINE_M / times)
+    look, image = hazy(scene(ground_y_m=8.0))
+    image[HEIGHT // 2 + off_px :] += 30
+    words, ground, image = (
+        np.kron(x, np.ones((times, times), x.dtype)) for x in (look.words, look.ground, image)
+    )
+    random = seeded(8)
+    image = np.clip(np.rint(image + random.normal(0.0, 2.0, image.shape)), 0, 255).astype(np.uint8)
+    for seen in (True, False):
+        space = Space(lens)
+        space.watch(Look(words, ground, look.pose), image=image, seen=seen, noise=2.0)
+        for z_m in NEAR_AND_FAR_M:
+            assert (space.look((0.0, 0.0, z_m)).beyond > 0.9) == seen
 
 
 def test_sky_above_hills_too_far_to_have_a_disparity_is_free() -> None:
-    """The ground is matched up to 60 m only, and lies deep below the horizon there."""
-    ground, horizon = scene(ground_y_m=8.0), HEIGHT // 2
-    words = ground.words.copy()
-    words[: horizon + round(FOCAL_PX * 8.0 / 60.0)] = INVALID
-    assert shown_by(replace(ground, words=words), (0.0, 0.0, 10.0)).beyond < 0.4
-    words[horizon - 10 : horizon] = 0
-    for z_m in (6.0, 10.0, 14.0):
-        assert shown_by(replace(ground, words=words), (0.0, 0.0, z_m)).beyond > 0.9
+    """The ground is matched up to MATCHED_TO_M only, and a row of trees there hides its horizon."""
+    look, image = hazy(scene(ground_y_m=8.0))
+    image[HEIGHT // 2 - 20 : HEIGHT // 2 - 12] = 60
+    assert shown_by(look, (0.0, 0.0, 10.0), image=image).beyond < 0.4
+    look.words[HEIGHT // 2 - 20 : HEIGHT // 2] = 0
+    for z_m in NEAR_AND_FAR_M:
+        assert shown_by(look, (0.0, 0.0, z_m), image=image).beyond > 0.9
 
 
 def test_a_surface_to_fly_along_is_no_vote() -> None:

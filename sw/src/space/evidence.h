@@ -2,12 +2,14 @@
  *
  * A picture of a few hundred columns stands for the frame. A pixel of it has the disparity that was matched there, and
  * if none was, that of the nearest word below it in its column, which bounds what has no texture: the sky ends at what
- * is farthest, a plain wall at the ground before its foot. What reaches from well below the horizon to above it is no
- * sky; and if the word that bounds it is too far to be the ground at its foot, it may hang anywhere.
+ * is farthest, a plain wall at the ground before its foot. What reaches from well below the horizon to above it and begins
+ * or ends with an edge is no sky; and if the word that bounds it is too far to be the ground at its foot, it may hang
+ * anywhere. Without an edge it is ground that fades, as in haze, and the sky.
  *
  * What is as thin as a wire is lost where words are filtered, and where every other pixel is left out. So the nearest of
- * the engine's own words in a pixel of the picture counts where it is nearer than what else is there. Many of these are
- * matched by chance: they bound nothing, and only what several frames match at one place is believed (space_map.h). */
+ * the engine's own words in a pixel of the picture counts where it is nearer than what else is there, if those around
+ * agree: most that are matched by chance stand alone. Those that are left bound nothing, and only what several frames
+ * match at one place is believed (space_map.h). */
 #ifndef VISTA_EVIDENCE_H
 #define VISTA_EVIDENCE_H
 
@@ -36,7 +38,9 @@ typedef struct vista_evidence {
   int16_t *word; /* height * width: 1/16 px; 0: unbounded */
   uint8_t *kind; /* height * width: vista_sight_kind */
   int16_t *nearest; /* scratch, width of the image and one more */
-  int16_t *low; /* scratch, width: -1 where the word that bounds this column is far and well below the horizon */
+  int16_t *thin; /* scratch, three rows of the picture with a rim to both sides */
+  int16_t *low; /* scratch, width: -1 where the word that bounds this column is far and well below the horizon, */
+  int16_t *edged; /* and where an edge was crossed since that word */
 } vista_evidence;
 
 /* What a line of sight says of a range of distances. */
