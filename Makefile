@@ -233,11 +233,11 @@ demo: build .venv/fly.stamp ## run the whole chain on a rendered flight and on r
 	@.venv/bin/vista run $(DEMO_FLIGHT) --out build/demo/flight-out
 	@$(MAKE) --no-print-directory demo-pairs
 	@.venv/bin/vista run $(DEMO_PAIRS) --out build/demo/oak-d-out
-	@.venv/bin/vista fly $(DEMO_FOREST) --family poisson --first 2 --count 1 --speed 3 --rival planner --films >build/demo/forest.txt
+	@.venv/bin/vista fly $(DEMO_FOREST) --family poisson --first 7 --count 1 --speed 3 --rival planner --films >build/demo/forest.txt
 	@printf '%s\n' 'Reports and a film, to be opened in a browser:' \
 	  "  outdoor flight at a sign, rendered  $(CURDIR)/build/demo/flight-out/report.html" \
 	  "  real stills of rooms                $(CURDIR)/build/demo/oak-d-out/report.html" \
-	  "  a forest, flown through             $(CURDIR)/$(DEMO_FOREST)/poisson_002_3_planner/flight.webm"
+	  "  a forest, flown through             $(CURDIR)/$(DEMO_FOREST)/poisson_007_3_planner/flight.webm"
 
 QUALITY ?= quick
 

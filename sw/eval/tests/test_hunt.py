@@ -9,6 +9,7 @@ import pytest
 from command_line import assert_refused, call
 from vista.errors import InputError
 from vista_eval.closed_loop import hunt
+from vista_eval.closed_loop.camera import StereoCamera
 from vista_eval.closed_loop.collision import Geometry
 from vista_eval.closed_loop.outcome import Outcome
 from vista_eval.jobs import HERE
@@ -97,8 +98,19 @@ def test_glare_and_faults_reach_the_flight(monkeypatch):
     monkeypatch.setattr(hunt, "WAY_M", 14.0)
     assert hunt.conditions_of({"pose_noise": 0.7, "glare": 0.3}, 160).pose_noise
     sun = {"sun_from_deg": 0.0, "sun_height_deg": 10.0, "speed_m_s": 8.0, "aside_m": 2.0}
-    plain, glaring = (hunt.fly(1, 160, sun | {"glare": glare}) for glare in (0.0, 0.6))
-    assert plain != glaring
+    seen = []
+
+    def expose(camera, *moment):
+        seen[-1].append(exposed(camera, *moment))
+        return seen[-1][-1]
+
+    exposed = StereoCamera.expose
+    monkeypatch.setattr(StereoCamera, "expose", expose)
+    for glare in (0.0, 0.6):
+        seen.append([])
+        hunt.fly(1, 160, sun | {"glare": glare})
+    (plain, _), (glaring, _) = seen[0][0], seen[1][0]
+    assert glaring.mean() > plain.mean() + 5.0
 
 
 @pytest.mark.slow
