@@ -145,29 +145,6 @@ def test_words_of_the_engine_that_stand_alone_are_no_vote() -> None:
     assert space.look_around(near, 2.0).votes == SPACE_FRAMES
 
 
-@pytest.mark.parametrize("side", ["below", "above", "right", "left"])
-def test_what_is_seen_through_now_is_that_of_the_half_that_is_hidden_most(side: str) -> None:
-    """A plain roof or wall beside a place hides a part of it: less and less is seen through of one half. What
-    is above is bounded by what is below it."""
-    v, u = np.indices((HEIGHT, WIDTH))
-    off_px = {
-        "below": v - HEIGHT // 2,
-        "above": HEIGHT // 2 - v,
-        "right": u - WIDTH // 2,
-        "left": WIDTH // 2 - u,
-    }
-    wall = scene([Wall(60.0)])
-    for off_m, whole, half in ((1.5, 1.0, 1.0), (0.5, 0.8, 0.62), (0.0, 0.5, 0.0)):
-        hidden = np.where(off_px[side] >= FOCAL_PX * off_m / 10.0, INVALID, wall.words).astype(np.int16)
-        found = shown_by(
-            replace(wall, words=hidden, ground=np.zeros_like(wall.ground)), (0.0, 0.0, 10.0), 1.0
-        )
-        if side == "above":
-            whole = half = 1.0
-        assert found.beyond == pytest.approx(whole, abs=0.06)
-        assert found.beyond_newest == pytest.approx(half, abs=0.08)
-
-
 def test_sky_above_a_far_horizon_is_free() -> None:
     ground = scene(ground_y_m=5.0)
     for z_m in (10.0, 25.0, 50.0):

@@ -14,7 +14,7 @@
 #define DENY 0.3 /* A thing in the volume is not in the way if all places at its range are less likely occupied. */
 #define REACH_SHARE 0.15 /* of the distance: where a place reaches farther, only a track tells of it */
 #define FREE_SHARE 0.5
-#define NOW_SHARE 0.25 /* of the lines of sight to each half that go on beyond a free place in the newest frame */
+#define NOW_SHARE 0.25 /* of the lines of sight that go on beyond a free place in the newest frame */
 /* A place that is more likely occupied is not free. Of places that are given as much, half are occupied on families held
  * back: what two frames of six see there is rarely nothing. */
 #define FREE 0.3

@@ -64,8 +64,8 @@ double vista_path_place_probability(const vista_path_place *place);
 /* Whether a place that was judged is free. */
 bool vista_path_place_is_free(const vista_path_place *place);
 
-/* Whether it is free, and the newest frame that has it in view sees through each half of it, too: what is blind now calls
- * nothing free, nor does what looks past the edge of a plain roof or wall. */
+/* Whether it is free, and the newest frame that has it in view sees through it, too: what is blind now calls nothing
+ * free. */
 bool vista_path_place_is_free_now(const vista_path_place *place);
 
 /* Whether something is rather there than not. What is neither free nor occupied is unknown. */

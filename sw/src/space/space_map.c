@@ -20,7 +20,6 @@
 #define IN_VIEW_SHARE 0.25 /* and of all that lead to it this share */
 #define FIT_SHARE 0.5     /* of its depth: the radius of a ball that fits into the view; */
 #define NEAREST_SHARE 0.5 /* one that is nearer than this share of its radius is beside the camera */
-#define HALF_MIN 8 /* lines of sight that tell of a half of a disc */
 #define BALL_VIEW_SHARE 0.6 /* of a ball, that has to be in view: what is beside may stand in the rest of it */
 #define TOLERANCE_PX 0.75 /* A word is at the place if it differs by less than this, */
 #define TOLERANCE_SHARE 0.03 /* or by less than this share of the place's disparity. */
@@ -73,15 +72,9 @@ static inline void add_match(matched *m, int32_t column, int32_t row, int32_t wo
   m->word2 += (int64_t)word * word;
 }
 
-/* Lines of sight of a frame to a part of a disc. */
-typedef struct sight_counts {
-  int32_t all, beyond;
-} sight_counts;
-
 /* How the lines of sight of one frame end that lead to a disc. */
 typedef struct looks {
   int32_t asked, all, beyond;
-  sight_counts quarters[2][2]; /* of these, above and below its middle, to the left and to the right */
   double radius_m; /* of the disc */
   matched at, feet;
 } looks;
@@ -136,19 +129,6 @@ static range range_around(const vista_camera *camera, double depth_m, double dee
   return at;
 }
 
-/* Columns of a row of the picture: `left` and so many steps. */
-typedef struct row_part {
-  int32_t row;
-  double left, step, from, to;
-} row_part;
-
-static inline void look_in_row(const vista_evidence *e, range at, const row_part *p, looks *l, sight_counts *part) {
-  const sight_counts before = {l->all, l->beyond};
-  for (double k = p->from; k < p->to; ++k) look_at(e, at, (int32_t)(p->left + k * p->step + 0.5), p->row, l);
-  part->all += l->all - before.all;
-  part->beyond += l->beyond - before.beyond;
-}
-
 static looks look_through(const vista_evidence *e, const vista_camera *camera, const double point_m[3], double radius_m,
                           double deep_m) {
   looks l = {0};
@@ -176,10 +156,7 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
     const double from = first > least ? first : least, to = beyond < most ? beyond : most;
     const double below = y + ROWS_AHEAD * d.step + 0.5;
     if (from < to && below < e->height) fetch(e, (int32_t)(left + from * d.step + 0.5), (int32_t)below);
-    const double middle = fmin(fmax(steps_to(left, d.step, d.u), from), to);
-    sight_counts *const quarters = l.quarters[y > d.v];
-    look_in_row(e, at, &(row_part){row, left, d.step, from, middle}, &l, &quarters[0]);
-    look_in_row(e, at, &(row_part){row, left, d.step, middle, to}, &l, &quarters[1]);
+    for (double k = from; k < to; ++k) look_at(e, at, (int32_t)(left + k * d.step + 0.5), row, &l);
   }
   return l;
 }
@@ -223,19 +200,6 @@ static void place_at(vista_place_evidence *found, const vista_evidence *e, const
   found->age = age;
 }
 
-/* The share of the lines of sight that go on beyond, of the half of a disc where the fewest do: above, below, to the left
- * or to the right. What has no texture hides one of them. */
-static double least_beyond(const looks *l) {
-  double least = (double)l->beyond / l->all;
-  for (int k = 0; k < 4; ++k) {
-    const sight_counts *const one = k < 2 ? &l->quarters[k][0] : &l->quarters[0][k - 2];
-    const sight_counts *const other = k < 2 ? &l->quarters[k][1] : &l->quarters[1][k - 2];
-    const int32_t all = one->all + other->all;
-    if (all >= HALF_MIN) least = fmin(least, (double)(one->beyond + other->beyond) / all);
-  }
-  return least;
-}
-
 /* Adds what a frame of this age shows: it votes, it shows a foot, or it sees through. */
 static void take_looks(vista_place_evidence *found, const vista_evidence *e, const looks *l, int32_t age) {
   const double beyond = (double)l->beyond / l->all;
@@ -244,7 +208,7 @@ static void take_looks(vista_place_evidence *found, const vista_evidence *e, con
   if (votes && found->votes == 0) place_at(found, e, &l->at, age);
   if (foot && found->disparity_px == 0.0) place_at(found, e, &l->feet, age);
   if (found->frames++ == 0) {
-    found->beyond_newest = least_beyond(l);
+    found->beyond_newest = beyond;
     found->radius_m = l->radius_m;
   }
   found->votes += votes;
