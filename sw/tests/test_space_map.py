@@ -127,7 +127,7 @@ def test_what_only_the_engine_has_words_of_bounds_nothing() -> None:
 
 
 def test_words_of_the_engine_that_stand_alone_are_no_vote() -> None:
-    """As in the noise of the sky, and as near as a place by the camera is deep; two of a kind are no line."""
+    """The noise of the sky has such words, near enough for a place by the camera. Two of them are no line."""
     random, behind = seeded(9), scene([Wall(60.0)])
     own = behind.words.copy()
     v, u = np.indices(own.shape)
@@ -183,7 +183,7 @@ def hazy(look: Look) -> tuple[Look, np.ndarray]:
 
 
 def painted(image: np.ndarray, board: Wall, grey: int) -> np.ndarray:
-    """With a plain board in it."""
+    """The image with a plain board in it."""
     (left, right), (top, bottom) = (FOCAL_PX * np.array(side) / board.z_m for side in (board.x_m, board.y_m))
     rows = slice(max(round(HEIGHT / 2 + top), 0), round(HEIGHT / 2 + bottom))
     columns = slice(max(round(WIDTH / 2 + left), 0), round(WIDTH / 2 + right))
