@@ -13,7 +13,7 @@ from track_library import SECOND, flight_path, motion, pose
 WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 320, 240, 300.0, 0.8
 SPACE_FRAMES: int = lib.VISTA_SPACE_FRAMES
 SPACING_S = 0.08  # of kept_lines.h: frames that follow closer count as one
-TOLERANCE_PX, TOLERANCE_SHARE = 0.75, 0.03  # of space_map.c: what differs by less is at a place
+TOLERANCE_PX, TOLERANCE_SHARE = 0.75, 0.03  # of evidence.h: what differs by less is at a place
 RADIUS_M = 2.0
 CHANGES = {"obstacle_map.collision_radius_m": RADIUS_M, "obstacle_map.path_sigmas": 0.0}
 

@@ -34,6 +34,28 @@ def test_it_leaves_its_way_before_a_board(z_m: float) -> None:
     assert abs(decision.options[decision.chosen].direction[0]) > 0.1
 
 
+def test_an_arc_evades_nothing_where_nothing_is_in_the_way() -> None:
+    """Just before a goal aside of the way that is flown, an arc costs less than to turn to it at once."""
+    planner, flying = Planner(), state_of(velocity=(0.0, 0.0, 5.0))
+    planner.decide(seen_world(), flying, goal_of())
+    decision = planner.decide(seen_world(), flying, goal_of(to=(1.0, 0.0, 5.0), origin=(0.0, 0.0, 0.0)))
+    assert decision.options[decision.chosen].primitive == "arc"
+    assert decision.action == "proceeds"
+
+
+def test_it_evades_until_it_flies_straight_on() -> None:
+    planner, goal = Planner(plan__climb_max_m_s=0.0), goal_of()
+    board, moving = seen_world([Wall(12.0, (-2.0, 2.0))]), {"velocity": (0.0, 0.0, 5.0)}
+    assert planner.decide(board, state_of(**moving), goal).action == "evades"
+    for k in range(1, 40):
+        decision = planner.decide(seen_world(), state_of(t_s=1.0 + 0.1 * k, **moving), goal)
+        straight = decision.options[decision.chosen].primitive == "straight"
+        assert decision.action == ("proceeds" if straight else "evades")
+        if straight:
+            return
+    pytest.fail("it never flew straight on")
+
+
 def test_before_a_wall_that_fills_the_view_it_stops_and_says_what_is_there() -> None:
     space = seen_world([Wall(8.0)])
     decision = Planner().decide(space, state_of(), goal_of())

@@ -272,12 +272,30 @@ static bool stops_here(const work *w) {
   return !circles(w) && stop_m < OFF_SHARE * w->planner->radius_m;
 }
 
+/* Whether something keeps the vehicle from flying straight on, as fast as it is to: that is ruled out, or its way is not
+ * free to its end. Near the goal another manoeuvre may be the cheaper one, and nothing is in the way. */
+static bool is_kept_off(const vista_plan_option *straight) {
+  const bool ruled_out = straight->ruling != VISTA_PLAN_NOT_ASKED && straight->ruling != VISTA_PLAN_BY_DYNAMICS;
+  return ruled_out || straight->ends != VISTA_PLAN_CHOSEN;
+}
+
+/* It evades from where it is kept off, until it flies straight on again. */
+static bool evades(const work *w) {
+  const vista_plan_decision *const d = w->decision;
+  const bool evaded = w->planner->committed && w->planner->plan.action != VISTA_PLAN_PROCEEDS;
+  for (int32_t k = 0; k < d->option_count; ++k) {
+    const vista_plan_option *const o = &d->options[k];
+    if (o->primitive == VISTA_PLAN_STRAIGHT && o->speed_m_s >= 0.99 * w->aim.speed_m_s)
+      return k != d->chosen && (evaded || is_kept_off(o));
+  }
+  return true;
+}
+
 static vista_plan_action action_of(const work *w) {
   const vista_plan_option *const chosen = &w->decision->options[w->decision->chosen];
   if (chosen->primitive == VISTA_PLAN_STOP || chosen->primitive == VISTA_PLAN_LOITER)
     return w->arrived ? VISTA_PLAN_ARRIVED : VISTA_PLAN_HOLDS;
-  const bool whole = chosen->primitive == VISTA_PLAN_STRAIGHT && chosen->speed_m_s >= 0.99 * w->aim.speed_m_s;
-  return whole ? VISTA_PLAN_PROCEEDS : VISTA_PLAN_EVADES;
+  return evades(w) ? VISTA_PLAN_EVADES : VISTA_PLAN_PROCEEDS;
 }
 
 /* Flies what was committed to, or brakes. */

@@ -7,7 +7,6 @@
 
 #include "common/wide_vectors.h"
 
-#define LOW 0.035 /* 2 degrees below the horizon: lower, there is no sky */
 #define FOOT_PX 5 /* least disparity of the ground at which something may be seen to stand */
 #define THIN_PX 1 /* by which the engine's own word is nearer than what else is there */
 #define AROUND_PX 2 /* of the coarser level: where its words have to agree, */
@@ -21,7 +20,6 @@
 #define EDGE_ROWS 2     /* from the mean of so many rows to that of the next ones, */
 #define EDGE_HALF_PX 3  /* of so many columns to each side. */
 #define GROUND_EDGE_LEVELS 20.0 /* The same below the horizon, where what fades has some texture left, */
-#define SPREAD_PX 4     /* by so much lower: words reach so far beyond the edge of what they are of */
 #define SIGHTS 256 /* lines of sight that are judged at once, side by side */
 
 int32_t vista_evidence_step_px(const vista_camera *camera) {
@@ -183,7 +181,7 @@ static void gather(const vista_frame_view *frame, const vista_surfaces *surfaces
   const double column_height = up[0] / camera->focal_px, off_horizon = HORIZON + EDGE_ROWS / camera->focal_px;
   for (int32_t k = 0; k < count; ++k) {
     const double height = row_height + column_height * ((x + k) * step_px - camera->center_u_px);
-    s->deep[k] = (int16_t)-(height < -LOW);
+    s->deep[k] = (int16_t)-(height < -VISTA_SIGHT_LOW);
     s->high[k] = (int16_t)-(height > 0.0);
     s->edge[k] = (int16_t)-(fabs(height) > off_horizon); /* as far as is known so far */
   }
@@ -215,10 +213,17 @@ static void find_edges(const vista_frame_view *frame, const vista_evidence *evid
   const int32_t step_px = evidence->step_px;
   for (int32_t k = 0; k < count; ++k) {
     if (!evidence->low[x + k] || !s->edge[k]) continue;
-    const bool found = s->high[k] ? is_edge(&frame->image, (x + k) * step_px, y * step_px, 0, in_sky)
-                                  : is_edge(&frame->image, (x + k) * step_px, y * step_px, SPREAD_PX, at_ground);
+    const bool found = s->high[k]
+                           ? is_edge(&frame->image, (x + k) * step_px, y * step_px, 0, in_sky)
+                           : is_edge(&frame->image, (x + k) * step_px, y * step_px, VISTA_SIGHT_SPREAD_PX, at_ground);
     s->edge[k] = (int16_t)-found;
   }
+}
+
+bool vista_evidence_begins(const vista_frame_view *frame, int32_t u_px, int32_t v_px) {
+  if (!frame->seen) return true;
+  const double in_sky = vista_image_noise_threshold(&frame->noise, EDGE_LEVELS, EDGE_SIGMAS);
+  return is_edge(&frame->image, u_px, v_px, VISTA_SIGHT_SPREAD_PX, fmax(in_sky, GROUND_EDGE_LEVELS));
 }
 
 /* The columns of the picture in which the engine matches. */

@@ -22,11 +22,17 @@
 #include "perceive/frame_view.h"
 #include "vista/types.h"
 
+#define VISTA_SIGHT_LOW 0.035 /* 2 degrees below the horizon: what ends higher has its foot far away, if it has one */
+#define VISTA_SIGHT_SPREAD_PX 4 /* so far words reach beyond the edge of what they are of */
+#define VISTA_SIGHT_TOLERANCE_PX 0.75 /* A word is at a place if it differs by less than this, */
+#define VISTA_SIGHT_TOLERANCE_SHARE 0.03 /* or by less than this share of the place's disparity. */
+
 typedef enum vista_sight_kind {
   VISTA_SIGHT_WORD = 0, /* matched, and not on a surface to fly along */
   VISTA_SIGHT_LEVEL,    /* matched, on a surface to fly along */
   VISTA_SIGHT_BOUNDED,  /* not matched at full size; a word lies below it, or the next coarser level has one there */
   VISTA_SIGHT_HANGING, /* the same, if that word is far and yet well below the horizon, and the surface reaches above it */
+  VISTA_SIGHT_OVERHANG, /* the same, where older frames saw the ground that a wall would hide (overhangs.h) */
   VISTA_SIGHT_UNBOUNDED, /* not matched, nor anything below it */
   VISTA_SIGHT_OUTSIDE /* of the part of the image that the engine matches */
 } vista_sight_kind;
@@ -59,6 +65,10 @@ void vista_evidence_layout(vista_evidence *evidence, vista_arena *arena, const v
 
 /* What the frame shows. */
 void vista_evidence_take(const vista_frame_view *frame, const vista_surfaces *surfaces, vista_evidence *evidence);
+
+/* Whether there is an edge of brightness at a pixel of the image, below the horizon, at which something may begin that hangs
+ * before the ground. Without an image there may be one everywhere. */
+bool vista_evidence_begins(const vista_frame_view *frame, int32_t u_px, int32_t v_px);
 
 /* What the line of sight through pixel i of the picture says of the distances with disparities from `farthest` to
  * `nearest`, in 1/16 px. */

@@ -7,6 +7,7 @@
 
 #include "common/frame.h"
 #include "common/numbers.h"
+#include "space/overhangs.h"
 
 #define SAMPLES 20       /* lines of sight across a disc, at most, */
 #define BALL_SAMPLES 12  /* and across a ball: many of them are asked for */
@@ -21,8 +22,6 @@
 #define FIT_SHARE 0.5     /* of its depth: the radius of a ball that fits into the view; */
 #define NEAREST_SHARE 0.5 /* one that is nearer than this share of its radius is beside the camera */
 #define BALL_VIEW_SHARE 0.6 /* of a ball, that has to be in view: what is beside may stand in the rest of it */
-#define TOLERANCE_PX 0.75 /* A word is at the place if it differs by less than this, */
-#define TOLERANCE_SHARE 0.03 /* or by less than this share of the place's disparity. */
 #define VOTE_MIN 3.0     /* A frame votes if so many lines of sight end at the place, */
 #define VOTE_SHARE 0.02  /* and this share of all. */
 #define FOOT_SHARE 0.15  /* It shows a foot if this share are bounded there by the ground, */
@@ -55,6 +54,9 @@ void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, co
     map->count += map->count < VISTA_SPACE_FRAMES;
   }
   vista_evidence_take(frame, surfaces, &map->frames[map->newest]);
+  if (map->count > 1 && frame->motion.known)
+    vista_overhangs_mark(frame, vista_space_map_frame(map, map->count - 1), vista_space_map_frame(map, 1),
+                         &map->frames[map->newest]);
   vista_kept_lines_add(&map->lines, frame, lines);
 }
 
@@ -74,7 +76,7 @@ static inline void add_match(matched *m, int32_t column, int32_t row, int32_t wo
 
 /* How the lines of sight of one frame end that lead to a disc. */
 typedef struct looks {
-  int32_t asked, all, beyond;
+  int32_t asked, all, beyond, overhung;
   double radius_m; /* of the disc */
   matched at, feet;
 } looks;
@@ -85,7 +87,7 @@ typedef struct range {
 } range;
 
 static range range_at(double wanted_px) {
-  const double tolerance_px = fmax(TOLERANCE_PX, TOLERANCE_SHARE * wanted_px);
+  const double tolerance_px = fmax(VISTA_SIGHT_TOLERANCE_PX, VISTA_SIGHT_TOLERANCE_SHARE * wanted_px);
   return (range){(int32_t)ceil(fmin((wanted_px - tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX)),
                  (int32_t)floor(fmin((wanted_px + tolerance_px) * VISTA_DISPARITY_SCALE, INT16_MAX))};
 }
@@ -94,6 +96,7 @@ static inline void look_at(const vista_evidence *e, range at, int32_t column, in
   const ptrdiff_t i = (ptrdiff_t)row * e->width + column;
   if (e->kind[i] == VISTA_SIGHT_OUTSIDE) return;
   ++l->all;
+  l->overhung += e->kind[i] == VISTA_SIGHT_OVERHANG;
   const vista_sight_says says = vista_evidence_says(e, i, at.farthest, at.nearest);
   if (says == VISTA_SIGHT_GOES_ON)
     ++l->beyond;
@@ -209,6 +212,7 @@ static void take_looks(vista_place_evidence *found, const vista_evidence *e, con
   if (foot && found->disparity_px == 0.0) place_at(found, e, &l->feet, age);
   if (found->frames++ == 0) {
     found->beyond_newest = beyond;
+    found->overhung_newest = (double)l->overhung / l->all;
     found->radius_m = l->radius_m;
   }
   found->votes += votes;
@@ -227,7 +231,8 @@ static void take_lines(const vista_space_map *map, const double point_m[3], doub
   memcpy(ball.camera_m, newest->pose.translation_m, sizeof ball.camera_m);
   const double range_m = vista_distance(point_m, ball.camera_m);
   if (!(deep_m > 0.0))
-    ball.deep_m = range_m * fmax(TOLERANCE_SHARE, TOLERANCE_PX * range_m / (camera->focal_px * camera->baseline_m));
+    ball.deep_m = range_m * fmax(VISTA_SIGHT_TOLERANCE_SHARE,
+                                 VISTA_SIGHT_TOLERANCE_PX * range_m / (camera->focal_px * camera->baseline_m));
   double at_m[3], camera_m[3], at_px[3];
   found->lines = vista_kept_lines_frames(&map->lines, &ball, at_m);
   if (found->lines == 0 || found->disparity_px > 0.0) return;
