@@ -119,6 +119,13 @@ void vista_frame_measure(const vista_camera *camera, const double camera_m[3], d
   for (int i = 0; i < 9; ++i) jacobian[i] = rows[i];
 }
 
+void vista_frame_point(const vista_camera *camera, const double measurement_px[3], double camera_m[3]) {
+  const double depth_m = camera->focal_px * camera->baseline_m / measurement_px[2];
+  camera_m[0] = (measurement_px[0] - camera->center_u_px) * depth_m / camera->focal_px;
+  camera_m[1] = (measurement_px[1] - camera->center_v_px) * depth_m / camera->focal_px;
+  camera_m[2] = depth_m;
+}
+
 void vista_frame_jacobian_to_world(const vista_pose *pose, const double jacobian_camera[9], double jacobian_world[9]) {
   const double *r = pose->rotation;
   for (int i = 0; i < 3; ++i)

@@ -36,7 +36,10 @@ void vista_frame_covariance_to_world(const vista_pose *pose, const double covari
 void vista_frame_measure(const vista_camera *camera, const double camera_m[3], double measurement_px[3],
                          double jacobian[9]);
 
-/* The same Jacobian by the world position: J R^T. */
+/* The point in the camera that a measurement with d > 0 is of. */
+void vista_frame_point(const vista_camera *camera, const double measurement_px[3], double camera_m[3]);
+
+/* The Jacobian of a measurement by the world position: J R^T. */
 void vista_frame_jacobian_to_world(const vista_pose *pose, const double jacobian_camera[9], double jacobian_world[9]);
 
 /* J C J^T for 3x3 J and symmetric C, exactly symmetric. */

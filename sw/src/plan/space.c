@@ -174,13 +174,9 @@ static bool is_alive(const vista_plan_space *space, const vista_plan_thing *thin
  * one of a cube. */
 static void keep_thing(const vista_plan_space *space, const vista_place_evidence *shown) {
   if (!(shown->disparity_px > 0.0)) return;
-  const vista_camera *const camera = space->seen.frame->camera;
-  const double depth_m = camera->focal_px * camera->baseline_m / shown->disparity_px;
-  const double camera_m[3] = {(shown->u_px - camera->center_u_px) * depth_m / camera->focal_px,
-                              (shown->v_px - camera->center_v_px) * depth_m / camera->focal_px, depth_m};
   vista_plan_thing thing = {.t_ns = space->t_ns};
   int64_t cube[3], others[3];
-  vista_frame_to_world(&vista_space_map_frame(space->seen.space, shown->age)->pose, camera_m, thing.point_m);
+  vista_space_map_matched(space->seen.space, shown, thing.point_m);
   cube_of(space, thing.point_m, cube);
   vista_plan_thing *const kept = &space->planner->things[hash_of(cube) % VISTA_PLAN_THINGS];
   cube_of(space, kept->point_m, others);

@@ -62,12 +62,8 @@ static void tell(view *v, const vista_obstacle *obstacle) {
 
 /* Level distance of what is matched at a place. */
 static double matched_m(const view *v, const vista_place_evidence *shown) {
-  const vista_camera *const camera = v->frame->camera;
-  const double depth_m = camera->focal_px * camera->baseline_m / shown->disparity_px;
-  const double seen_m[3] = {depth_m * (shown->u_px - camera->center_u_px) / camera->focal_px,
-                            depth_m * (shown->v_px - camera->center_v_px) / camera->focal_px, depth_m};
   double world_m[3], now_m[3];
-  vista_frame_to_world(&vista_space_map_frame(v->map, shown->age)->pose, seen_m, world_m);
+  vista_space_map_matched(v->map, shown, world_m);
   vista_frame_to_camera(&v->frame->motion.pose, world_m, now_m);
   return hypot(vista_dot(now_m, v->ahead), vista_dot(now_m, v->right));
 }

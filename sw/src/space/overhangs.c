@@ -57,22 +57,19 @@ static int32_t foot_of(const vista_frame_view *frame, const vista_evidence *e, i
 static bool shows_ground(const vista_frame_view *frame, const vista_evidence *other, bool stays,
                          const double image_px[3], double *nearer) {
   const vista_camera *const camera = frame->camera;
-  const double scale = camera->focal_px * camera->baseline_m, depth_m = scale / image_px[2];
-  const double here_m[3] = {(image_px[0] - camera->center_u_px) * depth_m / camera->focal_px,
-                            (image_px[1] - camera->center_v_px) * depth_m / camera->focal_px, depth_m};
-  double world_m[3], there_m[3];
+  double here_m[3], world_m[3], there_m[3], there_px[3];
+  vista_frame_point(camera, image_px, here_m);
   vista_frame_to_world(&frame->motion.pose, here_m, world_m);
   vista_frame_to_camera(&other->pose, world_m, there_m);
   if (!(there_m[2] > camera->baseline_m)) return false;
-  *nearer = there_m[2] / depth_m;
-  const double x = (camera->center_u_px + camera->focal_px * there_m[0] / there_m[2]) / other->step_px;
-  const double y = (camera->center_v_px + camera->focal_px * there_m[1] / there_m[2]) / other->step_px;
+  *nearer = there_m[2] / here_m[2];
+  vista_frame_measure(camera, there_m, there_px, NULL);
+  const double x = there_px[0] / other->step_px, y = there_px[1] / other->step_px;
   if (!(x > -0.5 && x < other->width - 0.5 && y > -0.5 && y < other->height - 0.5)) return false;
   const ptrdiff_t i = at(other, (int32_t)(x + 0.5), (int32_t)(y + 0.5));
   if (stays) return other->kind[i] == VISTA_SIGHT_OVERHANG;
-  const double wanted_px = scale / there_m[2],
-               tolerance_px = fmax(VISTA_SIGHT_TOLERANCE_PX, VISTA_SIGHT_TOLERANCE_SHARE * wanted_px);
-  return other->kind[i] == VISTA_SIGHT_LEVEL && other->word[i] < (wanted_px + tolerance_px) * VISTA_DISPARITY_SCALE;
+  const double tolerance_px = fmax(VISTA_SIGHT_TOLERANCE_PX, VISTA_SIGHT_TOLERANCE_SHARE * there_px[2]);
+  return other->kind[i] == VISTA_SIGHT_LEVEL && other->word[i] < (there_px[2] + tolerance_px) * VISTA_DISPARITY_SCALE;
 }
 
 /* Whether what seems to stand in a column, from row y on, does not by what the other frame saw. */

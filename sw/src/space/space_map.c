@@ -279,3 +279,10 @@ vista_place_evidence vista_space_map_look_upright(const vista_space_map *map, co
   take_lines(map, line->middle_m, line->half_m, 0.0, &found);
   return found;
 }
+
+void vista_space_map_matched(const vista_space_map *map, const vista_place_evidence *shown, double point_m[3]) {
+  const double measured_px[3] = {shown->u_px, shown->v_px, shown->disparity_px};
+  double camera_m[3];
+  vista_frame_point(&map->camera, measured_px, camera_m);
+  vista_frame_to_world(&vista_space_map_frame(map, shown->age)->pose, camera_m, point_m);
+}

@@ -71,6 +71,9 @@ typedef struct vista_upright {
 vista_place_evidence vista_space_map_look_upright(const vista_space_map *map, const vista_upright *line,
                                                   int32_t frames);
 
+/* The point of the world that is matched at a place, whose disparity_px is positive. */
+void vista_space_map_matched(const vista_space_map *map, const vista_place_evidence *shown, double point_m[3]);
+
 /* The frame that is so many frames older than the newest, 0 .. count - 1. */
 const vista_evidence *vista_space_map_frame(const vista_space_map *map, int32_t age);
 
