@@ -8,7 +8,7 @@ import pytest
 from random_seed import seeded
 from scipy.spatial.transform import Rotation
 from space_library import BASELINE_M, FOCAL_PX, HEIGHT, SPACE_FRAMES, WIDTH, Look, Space, Wall, scene
-from stage_library import camera
+from stage_library import INVALID, camera, ffi, lib
 
 GROUND_Y_M, BRIGHT, DARK = 3.0, 160, 90
 
@@ -89,12 +89,31 @@ def test_a_beam_is_marked_along_its_edge_before_whatever_is_behind() -> None:
         assert seen_through(space, 9.0, x_m) < 0.1
 
 
-def test_where_no_edge_of_brightness_begins_it_is_ground_that_fades() -> None:
-    """As in haze: what lies beyond the last of the ground that is matched differs from frame to frame."""
+@pytest.mark.parametrize(("above", "hangs"), [(BRIGHT, False), (DARK, True)])
+def test_where_no_edge_of_brightness_begins_it_is_ground_that_fades(above: int, hangs: bool) -> None:
+    """As in haze: how far the ground is matched differs from frame to frame."""
     space = Space()
-    for k, way_m in enumerate(np.linspace(9.0, 6.0, SPACE_FRAMES)):
+    for k, way_m in enumerate(np.linspace(5.0, 9.0, SPACE_FRAMES)):
         look = scene((), GROUND_Y_M, (0.0, 0.0, way_m))
-        look.words[: HEIGHT // 2 + round(FOCAL_PX * GROUND_Y_M / (20.0 - way_m))] = -16
+        matched_m = 12.0 if k == SPACE_FRAMES - 1 else 20.0
+        ends = HEIGHT // 2 + round(FOCAL_PX * GROUND_Y_M / matched_m)
+        look.words[:ends] = INVALID
         image = np.full((HEIGHT, WIDTH), BRIGHT, np.uint8)
+        image[:ends] = above
         space.take(look, 0.1 * k, image=image)
-    assert seen_through(space, 6.0) > 0.9
+    assert (seen_through(space, 9.0) < 0.1) == hangs
+
+
+def test_a_patch_of_ground_that_is_not_matched_hangs_nowhere() -> None:
+    """It was matched before, and does not reach the horizon."""
+    space = Space()
+    for k, way_m in enumerate(np.linspace(5.0, 9.0, SPACE_FRAMES)):
+        look = scene((), GROUND_Y_M, (0.0, 0.0, way_m))
+        image = picture(look)
+        if k == SPACE_FRAMES - 1:
+            look.words[160:190, 100:220] = INVALID
+            image[160:190, 100:220] = DARK
+        space.take(look, 0.1 * k, image=image)
+    newest = lib.vista_space_map_frame(space.handle, 0)
+    kinds = np.frombuffer(ffi.buffer(newest.kind, newest.width * newest.height), np.uint8)
+    assert lib.VISTA_SIGHT_BOUNDED in kinds and lib.VISTA_SIGHT_OVERHANG not in kinds

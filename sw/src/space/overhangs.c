@@ -7,17 +7,16 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 
-#define MARGIN_PX 2.0  /* and so much they and the poses are off */
-#define ROWS 3         /* of a column, above that, in which an older frame has to have seen something beyond, */
-#define ASIDE 4        /* and of so many columns to each side */
-#define COLUMNS_MIN 5  /* that end so, as many at least, more than half */
-#define EDGE_ROWS 3    /* by which a lower edge differs at most from a column to the next one */
-#define ENDS_ROWS 3    /* matched rows in a row: something else is above */
-#define STAYS_M 0.1    /* from one frame to the next: whoever moves less sees no other ground */
-
+#define MARGIN_PX 2.0 /* by which the edges of what is matched, and the poses, may be off */
+#define ROWS 3        /* of a column, above its foot, in which an older frame has to have seen ground; */
+#define ASIDE 4       /* of so many columns to each side */
+#define COLUMNS_MIN 5 /* so many, and more than half, have to say the same */
+#define EDGE_ROWS 3   /* by which a lower edge differs at most from a column to the next one */
+#define ENDS_ROWS 3   /* matched rows, one above the other: something else begins there */
+#define STAYS_M 0.1   /* from one frame to the next: who moves less sees no other ground */
 #define UPRIGHT_MIN 0.2 /* sine of camera axis and vertical */
 
-enum { STANDS_NOT, STANDS, HANGS }; /* what a column says of the plain surface in it */
+enum { NOTHING, STANDS, HANGS }; /* what is in a column, by what it shows */
 
 static ptrdiff_t at(const vista_evidence *e, int32_t x, int32_t y) { return (ptrdiff_t)y * e->width + x; }
 
@@ -78,11 +77,30 @@ static bool hangs(const vista_frame_view *frame, const vista_evidence *other, bo
   const double word_px = e->word[at(e, x, y + 1)] / (double)VISTA_DISPARITY_SCALE;
   double image_px[3] = {x * e->step_px, (y + 1) * e->step_px, word_px}, nearer = 1.0;
   (void)shows_ground(frame, other, stays, image_px, &nearer);
-  image_px[1] -=
-      VISTA_SIGHT_SPREAD_PX * fmax(nearer - 1.0, 0.0) + MARGIN_PX * nearer; /* above as many pixels from there */
+  /* Above what words of the ground may have covered from there, where as many pixels are more of the surface. */
+  image_px[1] -= VISTA_SIGHT_SPREAD_PX * fmax(nearer - 1.0, 0.0) + MARGIN_PX * nearer;
   for (int32_t k = 0; k < ROWS; ++k, image_px[1] -= e->step_px)
     if (!shows_ground(frame, other, stays, image_px, &nearer)) return false;
   return true;
+}
+
+/* What seems to stand on the ground in a column, with its foot in row y; -1: nothing does. */
+static int16_t judge(const vista_frame_view *frame, const vista_evidence *older, const vista_evidence *before,
+                     const vista_evidence *e, int32_t x, int32_t y) {
+  if (y < 0) return NOTHING;
+  const bool stays = vista_distance(before->pose.translation_m, e->pose.translation_m) < STAYS_M;
+  if (!hangs(frame, older, false, e, x, y) && !(stays && hangs(frame, before, true, e, x, y))) return STANDS;
+  return vista_evidence_begins(frame, x * e->step_px, (y + 1) * e->step_px) ? HANGS : STANDS;
+}
+
+/* Whether the columns around column x bear it out that what is in it hangs. */
+static bool is_borne_out(const int16_t *judged, int32_t width, int32_t x) {
+  int32_t all = 0, hang = 0;
+  for (int32_t k = x < ASIDE ? 0 : x - ASIDE; k <= x + ASIDE && k < width; ++k) {
+    all += judged[k] != NOTHING;
+    hang += judged[k] == HANGS;
+  }
+  return judged[x] == HANGS && hang >= COLUMNS_MIN && 2 * hang > all;
 }
 
 static void mark(vista_evidence *e, int32_t x, int32_t y) {
@@ -120,27 +138,13 @@ static void mark_along(const vista_frame_view *frame, const int16_t *feet, int32
 
 void vista_overhangs_mark(const vista_frame_view *frame, const vista_evidence *older, const vista_evidence *before,
                           vista_evidence *newest) {
-  const bool stays = before != NULL && vista_distance(before->pose.translation_m, newest->pose.translation_m) < STAYS_M;
-  const int32_t width = newest->width, step_px = newest->step_px;
-  int16_t *const feet = newest->low, *const hung = newest->edged; /* scratch */
-  for (int32_t x = 0; x < width; ++x) {
-    const int32_t y = foot_of(frame, newest, x);
-    feet[x] = (int16_t)y;
-    hung[x] =
-        (int16_t)(y < 0 ? STANDS_NOT
-                  : (hangs(frame, older, false, newest, x, y) || (stays && hangs(frame, before, true, newest, x, y))) &&
-                          vista_evidence_begins(frame, x * step_px, (y + 1) * step_px)
-                      ? HANGS
-                      : STANDS);
+  int16_t *const feet = newest->low, *const judged = newest->edged; /* scratch */
+  for (int32_t x = 0; x < newest->width; ++x) {
+    feet[x] = (int16_t)foot_of(frame, newest, x);
+    judged[x] = judge(frame, older, before, newest, x, feet[x]);
   }
-  for (int32_t x = 0; x < width; ++x) {
-    int32_t all = 0, count = 0;
-    for (int32_t k = x < ASIDE ? 0 : x - ASIDE; k <= x + ASIDE && k < width; ++k) {
-      all += hung[k] != STANDS_NOT;
-      count += hung[k] == HANGS;
-    }
-    if (hung[x] != HANGS || count < COLUMNS_MIN || 2 * count <= all) feet[x] = -1;
-  }
+  for (int32_t x = 0; x < newest->width; ++x)
+    if (!is_borne_out(judged, newest->width, x)) feet[x] = -1;
   mark_along(frame, feet, 1, newest);
   mark_along(frame, feet, -1, newest);
 }

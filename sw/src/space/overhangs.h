@@ -11,7 +11,8 @@
 #include "perceive/frame_view.h"
 #include "space/evidence.h"
 
-/* Marks what hangs in the evidence of a frame by what an older one matched; before: the one before it, null: none. */
+/* Marks what hangs in the newest evidence, which is of this frame, by what an older one matched. before: the frame before,
+ * which may be the same. */
 void vista_overhangs_mark(const vista_frame_view *frame, const vista_evidence *older, const vista_evidence *before,
                           vista_evidence *newest);
 
