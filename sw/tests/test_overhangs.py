@@ -42,7 +42,7 @@ WALL = Wall(20.0, (-30.0, 30.0), (-8.0, GROUND_Y_M), textured=False)
 
 
 def seen_through(space: Space, way_m: float, x_m: float = 0.0) -> float:
-    """Of a place half of the way to the beam, all of it before the beam."""
+    """How much is seen through of a place half of the way to the beam, all of which lies before the beam."""
     ahead_m = 0.5 * (BEAM.z_m - way_m)
     return space.look((x_m, 0.0, way_m + ahead_m), 0.1 * ahead_m).beyond_newest
 
@@ -91,7 +91,7 @@ def test_a_beam_is_marked_along_its_edge_before_whatever_is_behind() -> None:
 
 @pytest.mark.parametrize(("above", "hangs"), [(BRIGHT, False), (DARK, True)])
 def test_where_no_edge_of_brightness_begins_it_is_ground_that_fades(above: int, hangs: bool) -> None:
-    """As in haze: how far the ground is matched differs from frame to frame."""
+    """How far the ground is matched differs from frame to frame, as it does in haze."""
     space = Space()
     for k, way_m in enumerate(np.linspace(5.0, 9.0, SPACE_FRAMES)):
         look = scene((), GROUND_Y_M, (0.0, 0.0, way_m))
