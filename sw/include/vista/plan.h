@@ -60,10 +60,10 @@ typedef struct vista_plan_goal {
 /* What a decision comes to. */
 typedef enum vista_plan_action {
   VISTA_PLAN_PROCEEDS = 0, /* the way that is best where nothing is in the way */
-  VISTA_PLAN_EVADES,       /* another way, or slower, since something rules the best one out, until that is flown again */
-  VISTA_PLAN_ESCAPES,      /* no manoeuvre passes: it stops at once, or flies what was committed to, to its escape */
-  VISTA_PLAN_HOLDS,        /* stands or circles, and turns to where a way may be */
-  VISTA_PLAN_ARRIVED,      /* at the goal */
+  VISTA_PLAN_EVADES, /* another way, or slower, since something rules the best one out, until that is flown again */
+  VISTA_PLAN_ESCAPES, /* no manoeuvre passes: it stops at once, or flies what was committed to, to its escape */
+  VISTA_PLAN_HOLDS, /* stands or circles, and turns to where a way may be */
+  VISTA_PLAN_ARRIVED, /* at the goal */
   VISTA_PLAN_HELPLESS, /* something is in the way of the escape as well: it is flown, or what is free for longer */
   VISTA_PLAN_ACTION_COUNT
 } vista_plan_action;
