@@ -438,12 +438,36 @@ def test_a_fixed_wing_flies_around_and_its_plan_is_a_circle_that_closes() -> Non
     assert flight.position_m[2] >= 150.0 and flight.clearance_m > 0.8 * RADIUS_M
 
 
-def test_a_fixed_wing_flies_on_between_boards_that_hide_what_its_circles_cross() -> None:
-    """Nobody knows what is behind them, and the circle is flown only if nothing else passes later."""
-    space = seen_world([Wall(20.0, (5.0, 18.0)), Wall(20.0, (-18.0, -5.0))])
+@pytest.mark.parametrize("climb_m_s", [0.0, 3.0])
+def test_a_fixed_wing_climbs_while_it_turns_back_and_circles_level_from_there(climb_m_s: float) -> None:
+    """Half a turn with 17 m takes 4.5 s, to roll and to level off a little more."""
+    planner = Planner(plan__vehicle="fixed_wing", plan__climb_max_m_s=climb_m_s)
+    goal = goal_of((0.0, 0.0, 300.0), 12.0, (0.0, 0.0, 0.0))
+    decision = planner.decide(seen_world(), state_of(velocity=(0.0, 0.0, 12.0)), goal)
+    height_m, back = -decision.points["position_m"][:, 1], decision.circle_from
+    assert 3.5 * climb_m_s <= height_m[back] <= 6.0 * climb_m_s
+    assert np.ptp(height_m[back:]) == pytest.approx(0.0, abs=1e-6)
+    assert np.all(np.diff(height_m) >= -1e-9)
+    ahead = decision.points["heading"] @ decision.points["heading"][0]
+    assert ahead[: back + 1].min() < -0.95
+
+
+@pytest.mark.parametrize(("near_m", "far_m", "passes"), [(14.0, 26.0, True), (5.0, 18.0, False)])
+def test_a_fixed_wing_needs_to_see_the_first_right_angle_of_its_turn(
+    near_m: float, far_m: float, passes: bool
+) -> None:
+    """It turns with 17 m. Boards 20 m ahead hide what it would cross later, or what it would cross first."""
+    space = seen_world([Wall(20.0, (near_m, far_m)), Wall(20.0, (-far_m, -near_m))])
     goal = goal_of((0.0, 0.0, 300.0), 12.0, (0.0, 0.0, 0.0))
     decision = Planner(plan__vehicle="fixed_wing").decide(space, state_of(velocity=(0.0, 0.0, 12.0)), goal)
-    assert decision.action == "proceeds" and not decision.escape_seen
+    assert (decision.action == "proceeds") == passes and not decision.escape_seen
+    straight = [option.ruling for option in decision.options if option.primitive == "straight"]
+    assert straight == (["chosen"] if passes else ["by_unknown"])
+
+
+def test_a_fixed_wing_does_not_fly_on_where_nobody_sees_anything() -> None:
+    space = seen_world([])
+    goal = goal_of((0.0, 0.0, 300.0), 12.0, (0.0, 0.0, 0.0))
     space.reset()
     for k in range(6):
         space.take(UNMATCHED, 1.0 + 0.1 * k)

@@ -16,9 +16,9 @@
  * and twice the error of the position. So whoever hears no further decision is safe if he flies on by vista_plan_at.
  * What was seen to be free some seconds ago counts as free when it is out of view; a level grid around the vehicle keeps
  * what was seen for a minute, and tells the shortest way to the goal, which weighs the manoeuvres.
- * Where no manoeuvre passes, the escape of the decision before is flown. The circle of a fixed wing leads out of what its
- * camera sees: what no frame has in view, and from 1.5 s ahead on what is hidden, counts as free there unless something is
- * known to be in it (escape_seen).
+ * Where no manoeuvre passes, the escape of the decision before is flown. A fixed wing escapes by a climbing
+ * turn back and a circle, which lead out of what its camera sees: what no frame has in view counts as free there, and so does
+ * what is hidden once it has turned by a right angle, unless something is known to be in it (escape_seen).
  *
  * World, metres and poses are those of the detector. What is decided depends on the calls alone, not on a clock. */
 #ifndef VISTA_PLAN_H
@@ -34,7 +34,7 @@
 
 VISTA_BEGIN
 
-#define VISTA_PLAN_MOST_POINTS 128  /* of a trajectory, at most */
+#define VISTA_PLAN_MOST_POINTS 192  /* of a trajectory, at most */
 #define VISTA_PLAN_MOST_OPTIONS 240 /* that are weighed in a decision, at most */
 #define VISTA_PLAN_SEEN 2048   /* places that were seen to be free, which are kept, at most */
 #define VISTA_PLAN_THINGS 64 /* points at which something stands near the vehicle, which are kept, at most */

@@ -149,6 +149,7 @@ typedef struct wing {
   const double *up;
   double speed_m_s, most_rad; /* level; of the bank */
   double bank_rad, climb_m_s; /* to the left positive */
+  double turned_rad;          /* to the left, so far */
   double level[3];            /* of the flight */
   vista_plan_setpoint now;
 } wing;
@@ -170,6 +171,7 @@ static void turn_by(wing *w, double angle_rad, double dt_s) {
     w->now.heading[i] = w->level[i];
   }
   w->now.yaw_rate_rad_s = angle_rad / dt_s;
+  w->turned_rad += angle_rad;
 }
 
 static double within(double value, double most) { return fmin(fmax(value, -most), most); }
@@ -195,7 +197,7 @@ static bool begin_wing(const vista_plan_params *params, const vista_plan_state *
   return w->speed_m_s > WING_SLOWEST_M_S;
 }
 
-/* A circle that ends where it began, in whole steps. */
+/* A level circle that ends where it began, in whole steps. */
 static bool circle(wing *w, int32_t side, const vista_plan_visitor *visitor, vista_plan_decision *plan) {
   const double rate_rad_s = GRAVITY_M_S2 * vista_plan_tangent(w->most_rad) / w->speed_m_s;
   const double steps = ceil(TURN_RAD / (rate_rad_s * WING_STEP_S));
@@ -236,15 +238,16 @@ bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_sta
   plan->point_count = 1;
   while (plan->point_count < VISTA_PLAN_MOST_POINTS / 2) {
     const bool escapes = WING_STEP_S * (plan->point_count - 1) >= plan->escape_s - 0.5 * WING_STEP_S;
+    const bool is_back = turning->side * w.turned_rad >= 0.5 * TURN_RAD; /* flies back where it came from */
     const double wanted_rad = turning->side * w.most_rad;
-    if (escapes && fabs(w.bank_rad - wanted_rad) < 1e-6 && fabs(w.climb_m_s) < 1e-6)
+    if (escapes && is_back && fabs(w.bank_rad - wanted_rad) < 1e-6 && fabs(w.climb_m_s) < 1e-6)
       return circle(&w, turning->side, visitor, plan);
     double left[3];
     left_of(&w, left);
     const double ahead = vista_dot(w.level, turning->level), aside = vista_dot(left, turning->level);
     const double sine = ahead > 0.0 ? aside : aside < 0.0 ? -1.0 : 1.0;
     if (escapes)
-      bank(&w, wanted_rad, 0.0, WING_STEP_S);
+      bank(&w, wanted_rad, is_back ? 0.0 : params->climb_max_m_s, WING_STEP_S);
     else
       bank(&w, BANK_PER_SINE * sine, turning->climb_m_s, WING_STEP_S);
     plan->points[plan->point_count++] = w.now;

@@ -7,8 +7,9 @@
  * which has no disparity while it lies along the rows of the image, crosses them. The sway's 2 m/s^2 and 9 m/s^3 come on
  * top of the limits; it dies out before the end.
  *
- * A fixed wing flies coordinated turns at its speed, with a limited roll rate and bank. After VISTA_PLAN_COMMIT_S it
- * turns into a circle. */
+ * A fixed wing flies coordinated turns at its speed, with a limited roll rate and bank. Its escape is a climbing turn back
+ * to where it came from, and a level circle from there on: most of the turn is out of view, and what stands on the ground
+ * may end below it. */
 #ifndef VISTA_PLAN_PRIMITIVES_H
 #define VISTA_PLAN_PRIMITIVES_H
 
@@ -36,8 +37,9 @@ typedef struct vista_plan_visitor {
 bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
                            bool sways, const vista_plan_visitor *visitor, vista_plan_decision *plan);
 
-/* The same of a fixed wing: it turns to a level direction of unit length and climbs at this rate, and then flies a circle to
- * the left (side 1) or to the right (-1), level. At once: the circle alone. The headings are those of its flight. */
+/* The same of a fixed wing: it turns to a level direction of unit length and climbs at this rate, and then turns back, as
+ * steeply as it can, into a level circle to the left (side 1) or to the right (-1). At once: the escape alone. The headings
+ * are those of its flight. */
 typedef struct vista_plan_turning {
   double level[3], climb_m_s;
   int32_t side;

@@ -12,8 +12,9 @@
  * nearer, a pole is seen past.
  *
  * The circle of a fixed wing is wider than the view. What is out of view on it counts as free, and so does what is hidden,
- * from 1.5 s ahead on. If hidden places ruled the circle out, the aircraft would always turn away from what hides
- * something, as from its route behind the corner of a house. */
+ * once the vehicle has turned by a right angle. Up to there it has to be seen to be free: whoever comes so near to a wall
+ * that its end hides the turn has to turn now. If hidden places ruled all of the circle out, the aircraft would always turn
+ * away from what hides something, as from its route behind the corner of a house. */
 #ifndef VISTA_PLAN_SPACE_H
 #define VISTA_PLAN_SPACE_H
 
@@ -26,7 +27,7 @@
 
 /* Places that are asked for at most, each time: for manoeuvres that sway, for those that do not, for what was committed to,
  * and once more where something is in its way. */
-#define VISTA_PLAN_LOOKS 216
+#define VISTA_PLAN_LOOKS 324
 
 /* What is known of a place, for whoever wants to fly there. */
 typedef struct vista_plan_place {

@@ -38,6 +38,7 @@ SLOWEST_M_S = 14.5  # through the air: a tenth above where it stalls
 PATH_RAD_S, PATH_DAMPING = 0.8, 0.8  # beside the path
 MOST_ASIDE_M = 6.0
 MOST_BANK_RAD, MOST_LIFT = math.radians(50.0), 1.1  # the coefficient is 1.26 at most
+MOST_ALPHA_RAD = 0.16  # angle of attack, just below that of the most lift: nothing pulls beyond
 ANGLE_S = 0.15  # in which an angle is to be reached, with rates of at most
 MOST_ROLL_RAD_S, MOST_PITCH_RAD_S = 1.2, 0.8
 HEIGHT_GAIN, MOST_CLIMB_M_S = 0.8, 4.0
@@ -165,7 +166,9 @@ class FixedWing:
         self._pitch_rad = limited(self._pitch_rad + CLIMB_INTEGRAL * STEP_S * missing, 0.2)
         roll = self._fdm["attitude/phi-rad"]
         alpha = needed_alpha_rad(air, 1 / max(math.cos(roll), 0.5)) * math.cos(roll)
-        return alpha + climb_m_s / air + CLIMB_GAIN * missing + self._pitch_rad
+        asked = alpha + climb_m_s / air + CLIMB_GAIN * missing + self._pitch_rad
+        left = MOST_ALPHA_RAD - self._fdm["aero/alpha-rad"]
+        return min(asked, self._fdm["attitude/theta-rad"] + left)
 
     def push(self, climb_m_s: float, keep_up_m_s: float) -> None:
         """Sets the thrust that climbs so fast at the airspeed."""
