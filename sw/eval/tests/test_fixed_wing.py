@@ -80,6 +80,26 @@ def test_it_does_not_stall_whatever_is_asked():
         assert np.linalg.norm(wing.state.velocity_m_s) > 12.8
 
 
+def test_climbing_turns_to_both_sides_in_turn_do_not_pull_it_into_a_stall():
+    """The lift is greatest at an angle of attack of 10 degrees."""
+    wing = FixedWing(START_M, 0.0, SPEED_M_S)
+    flown_straight(wing, 2.0)
+    place, heading, bank = wing.state.position_m, 0.0, 0.0
+    for k in range(1500):
+        side = 1 if k // 200 % 2 else -1
+        bank += float(np.clip(side * math.radians(40.0) - bank, -STEP_S, STEP_S))
+        rate = GRAVITY_M_S2 * math.tan(bank) / SPEED_M_S
+        heading += rate * STEP_S
+        way, left = (np.array([math.cos(a), math.sin(a), 0.0]) for a in (heading, heading + math.pi / 2))
+        told = SPEED_M_S * way + np.array([0.0, 0.0, 3.0])
+        place = place + told * STEP_S
+        if np.linalg.norm(place - wing.state.position_m) > 1.5:  # it has left the trajectory
+            place = wing.state.position_m
+        wing.step(Setpoint(told, heading, place, SPEED_M_S * rate * left), CALM)
+        assert wing.angle_of_attack_rad < math.radians(10.0)
+    assert np.linalg.norm(wing.state.velocity_m_s) > 0.95 * SPEED_M_S
+
+
 def test_axes_of_the_body_lead_ahead_left_and_up():
     nose_up = rotation_of(0.0, -0.2, 0.0) @ [1.0, 0.0, 0.0]
     assert nose_up == pytest.approx([math.cos(0.2), 0.0, math.sin(0.2)])

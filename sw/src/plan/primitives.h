@@ -37,9 +37,9 @@ typedef struct vista_plan_visitor {
 bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_state *state, const double velocity_m_s[3],
                            bool sways, const vista_plan_visitor *visitor, vista_plan_decision *plan);
 
-/* The same of a fixed wing: it turns to a level direction of unit length and climbs at this rate, and then turns back, as
- * steeply as it can, into a level circle to the left (side 1) or to the right (-1). At once: the escape alone. The headings
- * are those of its flight. */
+/* The same of a fixed wing: it turns to a level direction of unit length and climbs at this rate, and then turns back
+ * to the left (side 1) or to the right (-1), at its greatest bank and climb, and on into a level circle. At once: the escape
+ * alone. The headings are those of its flight. */
 typedef struct vista_plan_turning {
   double level[3], climb_m_s;
   int32_t side;

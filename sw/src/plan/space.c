@@ -256,8 +256,8 @@ static double apart_m(const vista_plan_space *space, const double point_m[3]) {
   return fmax(APART_SHARE * space->radius_m, VISTA_PLACE_STEP_SHARE * range_m);
 }
 
-/* Whether the escape of a fixed wing may lead through a place that nobody has seen to be free: none has it in view, or it
- * is hidden and lies where the vehicle no longer flies the way that it looks. */
+/* Whether the escape of a fixed wing may lead through a place that nobody has seen to be free: no frame has it in view, or
+ * it is hidden, and the vehicle has turned by a right angle when it gets there. */
 static bool may_be_free(const vista_plan_decision *plan, int32_t point, vista_plan_ruling ruling) {
   const bool turned = vista_dot(plan->points[point].heading, plan->points[0].heading) <= 0.0;
   return ruling == VISTA_PLAN_BY_VIEW || (ruling == VISTA_PLAN_BY_UNKNOWN && turned);

@@ -144,6 +144,10 @@ class FixedWing:
         acceleration = (self._velocity - before) / STEP_S
         self._acceleration += STEP_S / SMOOTHED_S * (acceleration - self._acceleration)
 
+    @property
+    def angle_of_attack_rad(self) -> float:
+        return float(self._fdm["aero/alpha-rad"])
+
     def asked(self, setpoint: Setpoint) -> tuple[float, float]:
         """Bank and pitch that bring it to the setpoint, in radians; sets the thrust."""
         told = np.asarray(setpoint.velocity_m_s, float)
@@ -167,7 +171,7 @@ class FixedWing:
         roll = self._fdm["attitude/phi-rad"]
         alpha = needed_alpha_rad(air, 1 / max(math.cos(roll), 0.5)) * math.cos(roll)
         asked = alpha + climb_m_s / air + CLIMB_GAIN * missing + self._pitch_rad
-        left = MOST_ALPHA_RAD - self._fdm["aero/alpha-rad"]
+        left = MOST_ALPHA_RAD - self.angle_of_attack_rad
         return min(asked, self._fdm["attitude/theta-rad"] + left)
 
     def push(self, climb_m_s: float, keep_up_m_s: float) -> None:
@@ -203,7 +207,7 @@ class FixedWing:
         roll_up, pitch_up, yaw_up = missing * INERTIA / RATE_S / (pressure_n * ARMS_M)
         damped = ROLL_DAMPING * asked[0] * SPAN_M / (2 * air)
         aileron = (damped + roll_up) / AILERON
-        stiff = PITCH_STIFFNESS * fdm["aero/alpha-rad"] + PITCH_DAMPING * asked[1] * CHORD_M / (2 * air)
+        stiff = PITCH_STIFFNESS * self.angle_of_attack_rad + PITCH_DAMPING * asked[1] * CHORD_M / (2 * air)
         elevator = -(stiff + pitch_up) / ELEVATOR - self._trim_rad
         adverse = -ADVERSE_YAW * rates[0] * SPAN_M / (2 * air) + AILERON_YAW * aileron
         rudder = (adverse - yaw_up) / RUDDER - SLIP_GAIN * fdm["aero/beta-rad"]
