@@ -17,8 +17,8 @@
  * What was seen to be free some seconds ago counts as free when it is out of view; a level grid around the vehicle keeps
  * what was seen for a minute, and tells the shortest way to the goal, which weighs the manoeuvres.
  * Where no manoeuvre passes, the escape of the decision before is flown. A fixed wing escapes by a climbing turn back and a
- * circle, which lead out of what its camera sees: what no frame has in view counts as free there, and so does what is hidden
- * once it has turned by a right angle, unless something is known to be in it (escape_seen).
+ * circle, which lead out of what its camera sees: what no frame has in view, and from 1.5 s ahead on what is hidden, counts
+ * as free there unless something is known to be in it (escape_seen).
  *
  * World, metres and poses are those of the detector. What is decided depends on the calls alone, not on a clock. */
 #ifndef VISTA_PLAN_H

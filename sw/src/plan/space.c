@@ -16,6 +16,8 @@
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
 #define SIGMAS 2.0 /* of an obstacle's position */
+/* What is farther ahead on a circle than so long a flight is looked at again before the vehicle is there. */
+#define CIRCLE_KNOWN_S 1.5
 
 static const vista_track *track_of(const vista_plan_space *space, const vista_obstacle *obstacle) {
   for (int32_t k = 0; k < space->seen.track_count; ++k)
@@ -256,19 +258,13 @@ static double apart_m(const vista_plan_space *space, const double point_m[3]) {
   return fmax(APART_SHARE * space->radius_m, VISTA_PLACE_STEP_SHARE * range_m);
 }
 
-/* Whether the escape of a fixed wing may lead through a place that nobody has seen to be free: no frame has it in view, or
- * it is hidden, and the vehicle has turned by a right angle when it gets there. */
-static bool may_be_free(const vista_plan_decision *plan, int32_t point, vista_plan_ruling ruling) {
-  const bool turned = vista_dot(plan->points[point].heading, plan->points[0].heading) <= 0.0;
-  return ruling == VISTA_PLAN_BY_VIEW || (ruling == VISTA_PLAN_BY_UNKNOWN && turned);
-}
-
 /* Whether what is known of a place after so long lets the option pass. */
 static bool lets_pass(const vista_plan_walk *walk, const vista_plan_place *place, double after_s, bool last) {
   vista_plan_decision *const plan = walk->plan;
   if (place->ruling == VISTA_PLAN_CHOSEN || (walk->occupied_alone && !place->occupied)) return true;
   const bool circles = plan->circle_from >= 0 && after_s > plan->escape_s;
-  if (circles && may_be_free(plan, walk->next, place->ruling)) {
+  const bool later = place->ruling == VISTA_PLAN_BY_UNKNOWN && after_s > CIRCLE_KNOWN_S;
+  if (circles && (later || place->ruling == VISTA_PLAN_BY_VIEW)) {
     plan->escape_seen = false;
     return true;
   }

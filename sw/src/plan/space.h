@@ -11,10 +11,9 @@
  * was matched it stands for some seconds, unless it is seen through from where the full resolution would match it: from
  * nearer, a pole is seen past.
  *
- * The circle of a fixed wing is wider than the view. What is out of view on it counts as free, and so does what is hidden,
- * once the vehicle has turned by a right angle. Up to there it has to be seen to be free: whoever comes so near to a wall
- * that its end hides the turn has to turn now. If hidden places ruled all of the circle out, the aircraft would always turn
- * away from what hides something, as from its route behind the corner of a house. */
+ * The turn of a fixed wing is wider than the view. What is out of view on it counts as free, and so does what is hidden,
+ * from 1.5 s ahead on. If hidden places ruled it out, even those of its first right angle alone, the aircraft would always
+ * turn away from what hides something, as from its route behind the corner of a house, to where it has seen less. */
 #ifndef VISTA_PLAN_SPACE_H
 #define VISTA_PLAN_SPACE_H
 
