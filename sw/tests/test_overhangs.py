@@ -68,6 +68,20 @@ def test_before_an_aircraft_has_moved_a_beam_may_be_a_wall() -> None:
     assert seen_through(approach([BEAM], ways), 9.0) < 0.1
 
 
+def test_what_one_frame_alone_says_of_an_overhang_is_not_believed() -> None:
+    """Ground that fades now here, now there may look like ground behind a beam. Half a beam stays one."""
+    beam = Wall(20.0, (-30.0, 0.0), (-8.0, 1.5), textured=False)
+    ways = np.linspace(5.0, 11.0, 9)
+    hidden, believed = [], []
+    for count in range(1, len(ways) + 1):
+        ahead_m = 0.5 * (beam.z_m - ways[count - 1])
+        place = (0.0, 0.0, ways[count - 1] + ahead_m)
+        found = approach([beam], ways[:count]).look(place, 0.1 * ahead_m)
+        hidden.append(found.beyond_newest < 0.7)
+        believed.append(found.overhung > 0.2)
+    assert sum(hidden) > 2 and believed == [False, *hidden[:-1]]
+
+
 def test_noise_and_a_camera_that_sways() -> None:
     """Words by chance in the beam and in the wall. Most frames know of the beam, none doubts the wall."""
     random = seeded(1)

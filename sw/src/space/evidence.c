@@ -12,7 +12,9 @@
 #define AROUND_PX 2 /* of the coarser level: where its words have to agree, */
 #define AGREE_PX 1 /* to this, */
 #define AGREE_COUNT 3 /* so many of the four around; */
-#define IN_LINE 2     /* of the eight around a word that is full resolution: in a line, one to each side */
+#define THIN_COUNT 2 /* of the eight around a word of full resolution: in a line, one to each side; */
+#define NEAR_PX 20   /* and of one that is so near, where all but a wire is wider than a block, */
+#define NEAR_COUNT 4 /* half of them, as along the edge of something */
 #define COLUMNS 320 /* of the picture, at least half as many: a place 45 m away is a disc of some 30 of them */
 #define HORIZON 0.01 /* 0.6 degrees: nearer to the horizon, an edge may be its own */
 #define EDGE_LEVELS 4.0 /* least step of brightness of an edge, in grey levels, */
@@ -82,7 +84,8 @@ VISTA_WIDE_VECTORS static void add_thin_row(const int16_t *restrict above, const
     const int16_t agree =
         (int16_t)(agrees(thin[x], w) + agrees(thin[x + 2], w) + agrees(above[x], w) + agrees(above[x + 1], w) +
                   agrees(above[x + 2], w) + agrees(below[x], w) + agrees(below[x + 1], w) + agrees(below[x + 2], w));
-    const int16_t nearer = (int16_t)-((agree >= IN_LINE) & (kind[x] != VISTA_SIGHT_OUTSIDE) &
+    const int16_t needed = w > NEAR_PX * VISTA_DISPARITY_SCALE ? NEAR_COUNT : THIN_COUNT;
+    const int16_t nearer = (int16_t)-((agree >= needed) & (kind[x] != VISTA_SIGHT_OUTSIDE) &
                                       (w > word[x] + THIN_PX * VISTA_DISPARITY_SCALE));
     word[x] = (int16_t)((w & nearer) | (word[x] & ~nearer));
     kind[x] = (uint8_t)((VISTA_SIGHT_WORD & nearer) | (kind[x] & ~nearer));

@@ -8,8 +8,9 @@
  *
  * What is as thin as a wire is lost where words are filtered, and where every other pixel is left out. So the nearest of
  * the engine's own words in a pixel of the picture counts where it is nearer than what else is there, if those around
- * agree: most that are matched by chance stand alone. Those that are left bound nothing, and only what several frames
- * match at one place is believed (space_map.h). */
+ * agree: two of eight, and where it is near, half of them, since a thing there is matched as wide as a block. Most words by
+ * chance stand alone or in small groups. Those that are left bound nothing, and only what several frames match at one place
+ * is believed (space_map.h). */
 #ifndef VISTA_EVIDENCE_H
 #define VISTA_EVIDENCE_H
 

@@ -14,7 +14,7 @@
 #define DENY 0.3 /* A thing in the volume is not in the way if all places at its range are less likely occupied. */
 #define REACH_SHARE 0.15 /* of the distance: where a place reaches farther, only a track tells of it */
 #define FREE_SHARE 0.5
-#define OVERHUNG_SHARE 0.2 /* of the lines of sight to a free place, at most, in the newest frame */
+#define OVERHUNG_SHARE 0.2 /* of the lines of sight to a free place, at most, in the newest frame or the one before */
 #define NOW_SHARE 0.25 /* of the lines of sight that go on beyond a free place in the newest frame */
 /* A place that is more likely occupied is not free. Of places that are given as much, half are occupied on families held
  * back: what two frames of six see there is rarely nothing. */
@@ -126,7 +126,7 @@ bool vista_path_places_bear_out(const vista_path_places *places, double distance
 bool vista_path_place_is_free(const vista_path_place *place) {
   const vista_place_evidence *const shown = &place->shown;
   const bool all_vote = shown->frames < FRAMES_MIN && shown->votes == shown->frames;
-  const bool hangs = shown->overhung_newest > OVERHUNG_SHARE;
+  const bool hangs = shown->overhung > OVERHUNG_SHARE;
   return shown->frames > 0 && !all_vote && !hangs && shown->beyond >= FREE_SHARE && place->probability < FREE;
 }
 

@@ -210,11 +210,14 @@ static void take_looks(vista_place_evidence *found, const vista_evidence *e, con
   const bool foot = l->feet.count >= FOOT_SHARE * l->all && beyond < FOOT_BEYOND;
   if (votes && found->votes == 0) place_at(found, e, &l->at, age);
   if (foot && found->disparity_px == 0.0) place_at(found, e, &l->feet, age);
-  if (found->frames++ == 0) {
+  const double overhung = (double)l->overhung / l->all;
+  if (found->frames == 0) {
     found->beyond_newest = beyond;
-    found->overhung_newest = (double)l->overhung / l->all;
+    found->overhung = overhung;
     found->radius_m = l->radius_m;
   }
+  if (found->frames == 1) found->overhung = fmin(found->overhung, overhung);
+  ++found->frames;
   found->votes += votes;
   found->feet += foot;
   found->beyond += (beyond - found->beyond) / found->frames;

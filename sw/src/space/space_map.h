@@ -36,7 +36,7 @@ typedef struct vista_place_evidence {
   int32_t lines;  /* frames in which a thin thing was found that passes through it, and is kept (kept_lines.h) */
   double beyond;  /* share of the lines of sight that are known to go on beyond it, mean of the frames */
   double beyond_newest; /* that of the newest of these frames, */
-  double overhung_newest; /* the share that ends there at an overhang, which may be anywhere, */
+  double overhung; /* in the newest two of them: the share that ends at an overhang, which may be anywhere, */
   double radius_m;      /* and how far around the place that one looked: no farther than fits into its view */
   /* What is matched there in the newest frame that votes, or else in the newest that shows a foot, or the thin thing. */
   double u_px, v_px, disparity_px; /* mean; disparity_px 0: there is no such frame */
