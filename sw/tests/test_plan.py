@@ -477,6 +477,44 @@ def test_a_fixed_wing_goes_on_rolling_when_it_decides_anew() -> None:
     assert flight.velocity[2] < -0.95 * np.linalg.norm(flight.velocity)
 
 
+def test_a_fixed_wing_puts_its_turn_off_where_it_can_only_fly_on() -> None:
+    """Both turns after 0.75 s lead into a board, and between the two it is seen to be free for far longer."""
+    space = seen_world([Wall(20.0, (1.8, 9.0)), Wall(20.0, (-9.0, -1.8))])
+    goal = goal_of((0.0, 0.0, 300.0), 12.0, (0.0, 0.0, 0.0))
+    decision = Planner(plan__vehicle="fixed_wing").decide(space, state_of(velocity=(0.0, 0.0, 12.0)), goal)
+    assert decision.action == "proceeds" and decision.escape_s > 0.75
+    before = decision.points["position_m"][: round(decision.escape_s / decision.step_s) + 1]
+    assert np.abs(before[:, 0]).max() < 0.1
+
+
+def test_a_fixed_wing_that_has_left_its_trajectory_keeps_its_bank() -> None:
+    """The acceleration lags behind a bank, and a turn that has begun would be taken back."""
+    planner, goal = Planner(plan__vehicle="fixed_wing"), goal_of((-300.0, 0.0, 20.0), 12.0)
+    first = planner.decide(seen_world(), state_of(velocity=(0.0, 0.0, 12.0)), goal)
+    told = first.at(0.5)
+    off_m = told.position_m + np.array([RADIUS_M, 0.0, 0.0])
+    then = planner.decide(seen_world(), state_of(off_m, told.velocity_m_s, 1.5, told.heading), goal)
+    np.testing.assert_allclose(then.points[0]["position_m"], off_m, atol=1e-9)
+    np.testing.assert_allclose(then.points[0]["acceleration_m_s2"], told.acceleration_m_s2, atol=0.1)
+    assert np.linalg.norm(told.acceleration_m_s2) > 2.0
+
+
+@pytest.mark.parametrize("ahead_m", [18.0, 20.0])
+def test_a_helpless_fixed_wing_keeps_turning_to_one_side(ahead_m: float) -> None:
+    """A wall of which now this half seems to be the farther one, and now the other."""
+    goal = goal_of((0.0, 0.0, 400.0), 12.0, (0.0, 0.0, 0.0))
+    flight = Flight([], goal, velocity=(0.0, 0.0, 12.0), plan__vehicle="fixed_wing")
+    for _ in range(6):
+        flight.step()
+    z_m, halves, turned = flight.position_m[2] + ahead_m, [(-150.0, 0.0), (0.0, 150.0)], []
+    for k in range(10):
+        flight.walls = [Wall(z_m, halves[1 - k % 2]), Wall(z_m + 3.0, halves[k % 2])]
+        decision = flight.step()
+        if decision.action == "helpless":
+            turned.append(float(np.sign(decision.points[decision.circle_from - 4]["acceleration_m_s2"][0])))
+    assert len(turned) > 3 and len(set(turned)) == 1
+
+
 def test_a_fixed_wing_that_is_too_slow_to_fly_is_told_to_stay() -> None:
     position = (3.0, -2.0, 1.0)
     decision = Planner(plan__vehicle="fixed_wing").decide(seen_world(), state_of(position), goal_of())

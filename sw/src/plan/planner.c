@@ -77,14 +77,13 @@ static bool goes_on(const vista_planner *p, const vista_plan_state *state, vista
   if (!p->committed) return false;
   vista_plan_setpoint told;
   vista_plan_at(&p->plan, vista_seconds_between(p->plan.t_ns, state->t_ns), &told);
-  if (p->params.vehicle == VISTA_PLAN_VEHICLE_MULTIROTOR) /* what was measured would be fed back */
-    memcpy(from->acceleration_m_s2, told.acceleration_m_s2, sizeof from->acceleration_m_s2);
+  /* What was measured would be fed back, and lags behind a bank. */
+  memcpy(from->acceleration_m_s2, told.acceleration_m_s2, sizeof from->acceleration_m_s2);
   if (!(vista_distance(told.position_m, state->position_m) < OFF_SHARE * p->radius_m) ||
       !(vista_distance(told.velocity_m_s, state->velocity_m_s) < OFF_M_S))
     return false;
   memcpy(from->position_m, told.position_m, sizeof from->position_m);
   memcpy(from->velocity_m_s, told.velocity_m_s, sizeof from->velocity_m_s);
-  memcpy(from->acceleration_m_s2, told.acceleration_m_s2, sizeof from->acceleration_m_s2);
   return true;
 }
 
@@ -104,21 +103,27 @@ static bool circles(const work *w) { return w->planner->params.vehicle == VISTA_
 
 static bool walk_on(void *walk, bool ends) { return vista_plan_walk_on(walk, ends); }
 
+/* For so long a fixed wing flies a manoeuvre before it turns back, the shortest that passes: between two trees it can only
+ * fly on, as far as that is seen to be free. */
+static const double commits_s[] = {0.75, 1.5, 3.0};
+#define COMMITS ((int)(sizeof commits_s / sizeof commits_s[0]))
+
 /* The trajectory of an option, in the points of the decision. side: of the circle of a fixed wing. walk: looks along it;
  * null: nobody does. */
-static bool fly_along(const work *w, const vista_plan_option *option, int32_t side, vista_plan_walk *walk) {
+static bool fly_along(const work *w, const vista_plan_option *option, int32_t side, double commit_s,
+                      vista_plan_walk *walk) {
   const vista_plan_visitor looks = {walk_on, walk}, *const visitor = walk == NULL ? NULL : &looks;
   double velocity_m_s[3];
   vista_plan_velocity(option, velocity_m_s);
   if (!circles(w))
     return vista_plan_multirotor(&w->planner->params, w->state, velocity_m_s, w->sways, visitor, w->decision);
   vista_plan_turning turning = {.side = side, .climb_m_s = vista_dot(w->state->up, velocity_m_s)};
-  turning.at_once = !vista_plan_level(w->state->up, option->direction, turning.level);
+  if (vista_plan_level(w->state->up, option->direction, turning.level)) turning.commit_s = commit_s;
   return vista_plan_fixed_wing(&w->planner->params, w->state, &turning, visitor, w->decision);
 }
 
 static bool fly(const work *w, const vista_plan_option *option, int32_t side) {
-  return fly_along(w, option, side, NULL);
+  return fly_along(w, option, side, commits_s[0], NULL);
 }
 
 /* The side to which the circle is tried first: on with the turn. */
@@ -131,10 +136,11 @@ static int32_t circle_side(const work *w, const vista_plan_option *option) {
 
 static bool passes(work *w, vista_plan_option *option) {
   const int32_t side = circle_side(w, option);
-  for (int32_t k = 0; k < (circles(w) ? 2 : 1); ++k) {
+  const int32_t turns = !circles(w) ? 1 : option->speed_m_s > 0.0 ? 2 * COMMITS : 2; /* a loiter turns at once */
+  for (int32_t k = 0; k < turns; ++k) {
     vista_plan_walk walk = {.space = &w->space, .plan = w->decision, .option = option, .next = 1};
     option->ruling = VISTA_PLAN_BY_DYNAMICS;
-    if (fly_along(w, option, k == 0 ? side : -side, &walk)) {
+    if (fly_along(w, option, k % 2 == 0 ? side : -side, commits_s[k / 2], &walk)) {
       option->ruling = VISTA_PLAN_CHOSEN;
       return true;
     }
@@ -305,9 +311,11 @@ static void end_plan(work *w) {
 }
 
 /* Turns at once, to the side that is free for longer, if that is longer than so long. Whatever a fixed wing flies before
- * it turns puts the turn off, and the next decision would put it off again. */
+ * it turns puts the turn off, and the next decision would put it off again. So would a turn to the other side: once it
+ * turns away, it changes sides only for one that is free to its end. */
 static void turn_away(work *w, double best_s) {
   const int32_t first = circle_side(w, &stop);
+  const bool turns = w->planner->committed && w->planner->plan.chosen < 0;
   int32_t best = 0;
   w->space.looks = 0;
   for (int32_t k = 0; k < 2 && best_s < INFINITY; ++k) {
@@ -315,7 +323,7 @@ static void turn_away(work *w, double best_s) {
     vista_plan_option found = stop;
     if (!fly(w, &found, side)) continue;
     if (vista_plan_check(&w->space, w->decision, true, &found)) found.after_s = INFINITY;
-    if (!(found.after_s > best_s)) continue;
+    if (!(found.after_s > best_s) || (turns && side != first && found.after_s < INFINITY)) continue;
     best = side;
     best_s = found.after_s;
   }
@@ -324,6 +332,7 @@ static void turn_away(work *w, double best_s) {
     return;
   }
   w->brakes = true;
+  w->planner->side = best;
   (void)fly(w, &stop, best);
   if (!(best_s < INFINITY)) w->decision->action = VISTA_PLAN_ESCAPES;
 }

@@ -18,7 +18,6 @@
 #define SWAY_ENDS_S 0.8 /* after what it commits to, the sway dies out within this time */
 #define YAW_RAD_S 0.8 /* PX4 turns by 45 degrees a second unless it is told otherwise */
 #define WING_STEP_S 0.25
-#define WING_COMMIT_S 0.75 /* to roll takes longer than to lean */
 #define WING_SLOWEST_M_S 3.0 /* below it, there is no turn to fly */
 #define TURN_RAD 6.283185307179586
 #define GRAVITY_M_S2 9.80665
@@ -232,7 +231,7 @@ bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_sta
     return false;
   }
   plan->step_s = WING_STEP_S;
-  plan->escape_s = turning->at_once ? 0.0 : WING_COMMIT_S;
+  plan->escape_s = turning->commit_s;
   plan->circle_from = VISTA_PLAN_MOST_POINTS; /* it will come, and whoever looks has to know */
   plan->points[0] = w.now;
   plan->point_count = 1;

@@ -43,7 +43,7 @@ bool vista_plan_multirotor(const vista_plan_params *params, const vista_plan_sta
 typedef struct vista_plan_turning {
   double level[3], climb_m_s;
   int32_t side;
-  bool at_once;
+  double commit_s; /* until it turns back */
 } vista_plan_turning;
 
 bool vista_plan_fixed_wing(const vista_plan_params *params, const vista_plan_state *state,
