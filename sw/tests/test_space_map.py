@@ -233,6 +233,18 @@ def test_sky_above_ground_that_fades_is_free(width: int, off_px: int) -> None:
             assert (space.look((0.0, 0.0, z_m)).beyond > 0.9) == seen
 
 
+def test_haze_that_brightens_the_ground_up_to_the_horizon_is_no_edge() -> None:
+    """By 30 grey levels in six rows, which is an edge where it ends: a board that is as bright as the sky."""
+    look, image = hazy(scene(ground_y_m=8.0))
+    below = np.clip(np.arange(HEIGHT) - HEIGHT // 2, 0, 40)
+    image[:] = (220 - 5 * below)[:, None]
+    for z_m in NEAR_AND_FAR_M:
+        assert shown_by(look, (0.0, 0.0, z_m), image=image).beyond > 0.9
+    image = painted(image, Wall(15.0, (-6.0, 6.0), (-20.0, 1.0)), 220)
+    for z_m in NEAR_AND_FAR_M:
+        assert shown_by(look, (0.0, 0.0, z_m), image=image).beyond < 0.4
+
+
 def test_sky_above_hills_too_far_to_have_a_disparity_is_free() -> None:
     """The ground is matched up to MATCHED_TO_M only, and a row of trees there hides its horizon."""
     look, image = hazy(scene(ground_y_m=8.0))

@@ -16,7 +16,7 @@
 #define NEAR_PX 20   /* and of one that is so near, where all but a wire is wider than a block, */
 #define NEAR_COUNT 4 /* half of them, as along the edge of something */
 #define COLUMNS 320 /* of the picture, at least half as many: a place 45 m away is a disc of some 30 of them */
-#define HORIZON 0.01 /* 0.6 degrees: nearer to the horizon, an edge may be its own */
+#define HORIZON 0.02 /* 1.1 degrees: nearer to the horizon, an edge may be its own */
 #define EDGE_LEVELS 4.0 /* least step of brightness of an edge, in grey levels, */
 #define EDGE_SIGMAS 3.0 /* and in standard deviations of a pixel's noise; */
 #define EDGE_ROWS 2     /* from the mean of so many rows to that of the next ones, */
@@ -190,18 +190,27 @@ static void gather(const vista_frame_view *frame, const vista_surfaces *surfaces
   }
 }
 
-/* Whether the brightness changes from the rows `spread_px` below row v of the image to those above it. */
-static bool is_edge(const vista_image *image, int32_t u, int32_t v, int32_t spread_px, double least_levels) {
-  const int32_t below = v + spread_px;
-  if (v < EDGE_ROWS || below + EDGE_ROWS > image->height_px || u < EDGE_HALF_PX || u + EDGE_HALF_PX >= image->width_px)
-    return false;
+/* The step of brightness from the rows `spread_px` below row v of the image to those above it: a sum over its pixels. */
+static int32_t step_at(const vista_image *image, int32_t u, int32_t v, int32_t spread_px) {
   int32_t step = 0;
   for (int32_t row = 0; row < EDGE_ROWS; ++row) {
-    const uint8_t *const lower = image->data + (below + row) * image->stride + u;
+    const uint8_t *const lower = image->data + (v + spread_px + row) * image->stride + u;
     const uint8_t *const upper = image->data + (v - EDGE_ROWS + row) * image->stride + u;
     for (int32_t side = -EDGE_HALF_PX; side <= EDGE_HALF_PX; ++side) step += lower[side] - upper[side];
   }
-  return abs(step) >= EDGE_ROWS * (2 * EDGE_HALF_PX + 1) * least_levels;
+  return step;
+}
+
+/* Whether the brightness changes there, and above it by less than half as much: haze changes it all the way up to the
+ * horizon. */
+static bool is_edge(const vista_image *image, int32_t u, int32_t v, int32_t spread_px, double least_levels) {
+  const int32_t below = v + spread_px, above = v - spread_px - 2 * EDGE_ROWS;
+  if (above < EDGE_ROWS || below + EDGE_ROWS > image->height_px || u < EDGE_HALF_PX ||
+      u + EDGE_HALF_PX >= image->width_px)
+    return false;
+  const int32_t step = abs(step_at(image, u, v, spread_px));
+  return step >= EDGE_ROWS * (2 * EDGE_HALF_PX + 1) * least_levels &&
+         2 * abs(step_at(image, u, above, spread_px)) < step;
 }
 
 /* Where lines of sight of row y, from x on, cross an edge, if that tells anything there: beyond ground that fades before
