@@ -234,7 +234,7 @@ def test_sky_above_ground_that_fades_is_free(width: int, off_px: int) -> None:
 
 
 def test_haze_that_brightens_the_ground_up_to_the_horizon_is_no_edge() -> None:
-    """By 30 grey levels in six rows, which is an edge where it ends: a board that is as bright as the sky."""
+    """It brightens by 30 grey levels in six rows. Where a board as bright as the sky begins, that ends."""
     look, image = hazy(scene(ground_y_m=8.0))
     below = np.clip(np.arange(HEIGHT) - HEIGHT // 2, 0, 40)
     image[:] = (220 - 5 * below)[:, None]

@@ -10,15 +10,16 @@
  *   as often as the controller asks, until the next decision:
  *     vista_plan_at(&decision, seconds since state.t_ns, &setpoint);
  *
- * A decision is a whole trajectory: a manoeuvre of a fixed library, flown for COMMIT_S (sw/src/plan/primitives.h), and
- * after it an escape, which ends in a stop (multirotor) or in a circle (fixed wing). It is taken only if all of it, the
- * escape included, lies in space that the last frames have seen to be free, as wide as obstacle_map.collision_radius_m
- * and twice the error of the position. So whoever hears no further decision is safe if he flies on by vista_plan_at.
- * What was seen to be free some seconds ago counts as free when it is out of view; a level grid around the vehicle keeps
- * what was seen for a minute, and tells the shortest way to the goal, which weighs the manoeuvres.
- * Where no manoeuvre passes, the escape of the decision before is flown. A fixed wing escapes by a climbing turn back and a
- * circle, which lead out of what its camera sees: what no frame has in view, and from 1.5 s ahead on what is hidden, counts
- * as free there unless something is known to be in it (escape_seen).
+ * A decision is a whole trajectory: a manoeuvre of a fixed library, flown for 0.4 s (multirotor) or for 0.75 to 3 s
+ * (fixed wing), and after it an escape, which ends in a stop (multirotor) or in a circle (fixed wing). It is taken
+ * only if all of it, the escape included, lies in space that the last frames have seen to be free, as wide as
+ * obstacle_map.collision_radius_m and twice the error of the position. So whoever hears no further decision is safe if
+ * he flies on by vista_plan_at. What was seen to be free some seconds ago counts as free when it is out of view; a
+ * level grid around the vehicle keeps what was seen for a minute, and tells the shortest way to the goal, which weighs
+ * the manoeuvres.
+ * Where no manoeuvre passes, the escape of the decision before is flown. A fixed wing escapes by a climbing turn back
+ * and a circle, which lead out of what its camera sees: what no frame has in view, and from 1.5 s ahead on what is
+ * hidden, counts as free there unless something is known to be in it (escape_seen).
  *
  * World, metres and poses are those of the detector. What is decided depends on the calls alone, not on a clock. */
 #ifndef VISTA_PLAN_H
