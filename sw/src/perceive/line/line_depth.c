@@ -28,12 +28,19 @@
 #define BIAS_PX 0.15 /* error of all words of a line */
 #define ROW_ERROR_PX 0.1 /* by which the rows of the two images are off */
 #define LEAN_MAX 10.0 /* columns per row: words say nothing of a line that is flatter */
+#define MOVED_MIN 10 /* samples by the camera's motion that agree, */
+#define MOVED_SHARE 0.25 /* and their least share of all that were asked for */
+#define MOVED_STEPS 1.1 /* steps between hypotheses within which they agree */
+#define APART_SIGMAS 2.0 /* of such a disparity, by which the line is nearer than what is beside it */
+#define STEP_ERROR 0.3 /* of a step: a rounded number's standard deviation */
+#define POSE_ERROR_PX 0.5 /* by which poses and ridges are off in the image, along a whole line */
 
 /* What the loops over the rows share. */
 typedef struct reading {
   const vista_line_view *view;
   const vista_thin_line *line;
   double side_px; /* along the row to where a block no longer holds the line */
+  double apart_px; /* of disparity: what is beside the line and farther by less is as near as the line */
 } reading;
 
 /* Negative without one. */
@@ -65,7 +72,7 @@ static double on_line(const reading *r, int32_t t, double side, bool *apart) {
   for (int k = 0; k < 3 && !*apart; ++k) {
     const double word = word_at(r->view, r->line, places[k], t);
     if (word <= 0.0) continue;
-    *apart = side < 0.0 || word >= side + VISTA_SURFACE_PX;
+    *apart = side < 0.0 || word >= side + r->apart_px;
     if (*apart || any < 0.0) any = word;
   }
   return any;
@@ -161,7 +168,7 @@ static double length_m(const vista_camera *camera, const vista_thin_line *line) 
 /* Whether something beside the line is as near as it, or nearer. */
 static bool is_level(const reading *r, const vista_thin_line *found, int32_t t) {
   const double side = beside(r, t);
-  return side >= 0.0 && side > vista_thin_disparity_px(found, t) - VISTA_SURFACE_PX;
+  return side >= 0.0 && side > vista_thin_disparity_px(found, t) - r->apart_px;
 }
 
 /* Rows with something beside the line that is as near as it, or nearer. */
@@ -228,17 +235,19 @@ static int32_t continued(const reading *r, const vista_camera *camera, const vis
   return level > LEVEL_SHARE * more ? from : from + step * more;
 }
 
-/* Sets the ends of a line: the first and the last row whose words agree, and on from there as far as the image shows
- * it. Rows that are alone do not count. */
-static void set_ends(const reading *r, const vista_camera *camera, const vista_ridge *ridge,
-                     const vista_line_sample *samples, int32_t count, double reach, vista_thin_line *found) {
+/* Sets the ends of a line: the first and the last row whose samples agree, and on from there as far as the image shows
+ * it. Rows that are alone do not count. words: the samples are those of rows with words on the line. */
+static void set_ends(const reading *r, const vista_camera *camera, double reach, bool words, vista_thin_line *found) {
+  const vista_ridge *const ridge = r->view->ridge;
+  const vista_line_sample *const samples = r->view->samples;
+  const int32_t count = found->rows_apart;
   int32_t seen = 0, first = found->first_px, last = found->last_px;
   for (int32_t i = 0; i < count && seen < END_ROWS; ++i)
     if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) first = (int32_t)samples[i].t_px;
   seen = 0;
   for (int32_t i = count - 1; i >= 0 && seen < END_ROWS; --i)
     if (agrees(found, &samples[i], reach) && ++seen == END_ROWS) last = (int32_t)samples[i].t_px;
-  const double share = found->rows_on / fmax(rows_with_words(r, first, last), 1.0);
+  const double share = words ? found->rows_on / fmax(rows_with_words(r, first, last), 1.0) : 0.0;
   found->first_px = extended(r, ridge, first, -1, share);
   found->last_px = extended(r, ridge, last, 1, share);
   const int32_t end = continued(r, camera, found, 1);
@@ -255,32 +264,73 @@ static void find_foot(const vista_line_view *view, const vista_camera *camera, v
                                                 vista_thin_v_px(found, t), vista_thin_disparity_px(found, t));
 }
 
-bool vista_line_depth(const vista_line_view *view, const vista_thin_line *line, vista_thin_line *found) {
-  const vista_camera *const camera = view->frame->camera;
-  vista_line_sample *const samples = view->samples;
-  const double radius = view->frame->matched.margin_px + PREFILTER_PX; /* of the block */
-  const reading r = {view, line, radius * (1.0 + fabs(line->slope)) + CLEAR_PX};
-  const int32_t rows = line->last_px - line->first_px + 1;
-  if (fabs(columns_per_row(line)) > LEAN_MAX) return false;
-  vista_thin_line own = *line;
-  own.rows_apart = take_samples(&r, samples, &own);
-  const double fewest = fmax(ROWS_MIN, ROW_SHARE * rows);
-  if (own.rows_apart < fewest) return false;
-  float at = 0.0f, slope = 0.0f;
-  const float reach = (float)AGREE_PX;
-  if (propose(samples, own.rows_apart, (float)vista_thin_middle_px(&own), reach, &at, &slope) < fewest) return false;
-  own.disparity_px = at;
-  own.disparity_slope = slope;
-  for (int k = 0; k < 2; ++k) own.rows_on = refine(view, own.rows_apart, reach, &own);
-  if (own.rows_on < fmax(fewest, 2 * END_ROWS) || own.rows_on < AGREE_SHARE * own.rows_apart) return false;
-  if (own.rows_on < ROWS_SURE && own.rows_on < WORD_SHARE * own.rows) return false;
-  set_ends(&r, camera, view->ridge, samples, own.rows_apart, reach, &own);
-  if (!(vista_thin_disparity_px(&own, own.first_px) > 0.0) || !(vista_thin_disparity_px(&own, own.last_px) > 0.0))
+/* Whether the line, whose disparity is known, is a thing of its own; fills what else there is to tell of it. */
+static bool is_thing(const reading *r, double reach, bool words, vista_thin_line *own) {
+  const vista_camera *const camera = r->view->frame->camera;
+  set_ends(r, camera, reach, words, own);
+  if (!(vista_thin_disparity_px(own, own->first_px) > 0.0) || !(vista_thin_disparity_px(own, own->last_px) > 0.0))
     return false;
-  own.rows_level = level_rows(&r, &own);
-  if (own.rows_level > LEVEL_SHARE * (own.last_px - own.first_px + 1)) return false;
-  if (length_m(camera, &own) < LENGTH_MIN_M || !stands(&r, camera, &own)) return false;
-  find_foot(view, camera, &own);
+  own->rows_level = level_rows(r, own);
+  if (own->rows_level > LEVEL_SHARE * (own->last_px - own->first_px + 1)) return false;
+  if (length_m(camera, own) < LENGTH_MIN_M || !stands(r, camera, own)) return false;
+  find_foot(r->view, camera, own);
+  return true;
+}
+
+/* Fits a straight line in disparity to the samples; whether so many agree with it. */
+static bool fit(const vista_line_view *view, double fewest, double reach, vista_thin_line *own) {
+  float at = 0.0f, slope = 0.0f;
+  if (own->rows_apart < fewest) return false;
+  if (propose(view->samples, own->rows_apart, (float)vista_thin_middle_px(own), (float)reach, &at, &slope) < fewest)
+    return false;
+  own->disparity_px = at;
+  own->disparity_slope = slope;
+  for (int k = 0; k < 2; ++k) own->rows_on = refine(view, own->rows_apart, reach, own);
+  return own->rows_on >= fmax(fewest, 2 * END_ROWS);
+}
+
+static bool depth_by_words(const reading *r, vista_thin_line *found) {
+  const int32_t rows = r->line->last_px - r->line->first_px + 1;
+  if (fabs(columns_per_row(r->line)) > LEAN_MAX) return false;
+  vista_thin_line own = *r->line;
+  own.rows_apart = take_samples(r, r->view->samples, &own);
+  if (!fit(r->view, fmax(ROWS_MIN, ROW_SHARE * rows), AGREE_PX, &own)) return false;
+  if (own.rows_on < AGREE_SHARE * own.rows_apart) return false;
+  if (own.rows_on < ROWS_SURE && own.rows_on < WORD_SHARE * own.rows) return false;
+  if (!is_thing(r, AGREE_PX, true, &own)) return false;
   *found = own;
   return true;
+}
+
+/* Leaves those samples that are nearer than what is beside the line. */
+static int32_t keep_apart(const reading *r, vista_line_sample *samples, int32_t count) {
+  int32_t kept = 0;
+  for (int32_t i = 0; i < count; ++i) {
+    const double side = beside(r, (int32_t)samples[i].t_px);
+    if (side < 0.0 || samples[i].disparity_px >= side + r->apart_px) samples[kept++] = samples[i];
+  }
+  return kept;
+}
+
+static bool depth_by_motion(reading *r, vista_thin_line *found) {
+  vista_line_sample *const samples = r->view->samples;
+  const vista_moved_samples moved = vista_line_motion_samples(r->view->frame, r->line, r->view->motion, samples);
+  const double sigma_px = hypot(POSE_ERROR_PX * moved.per_px, STEP_ERROR * moved.step_px);
+  const double reach = fmax(AGREE_PX, MOVED_STEPS * moved.step_px);
+  r->apart_px = VISTA_SURFACE_PX + APART_SIGMAS * sigma_px;
+  vista_thin_line own = *r->line;
+  own.rows = moved.count;
+  own.rows_apart = keep_apart(r, samples, moved.count);
+  if (!fit(r->view, fmax(MOVED_MIN, MOVED_SHARE * moved.asked), reach, &own)) return false;
+  if (own.rows_on < AGREE_SHARE * moved.count) return false;
+  own.lasting_sigma_px = sigma_px;
+  if (!is_thing(r, reach, false, &own)) return false;
+  *found = own;
+  return true;
+}
+
+bool vista_line_depth(const vista_line_view *view, const vista_thin_line *line, vista_thin_line *found) {
+  const double radius = view->frame->matched.margin_px + PREFILTER_PX; /* of the block */
+  reading r = {view, line, radius * (1.0 + fabs(line->slope)) + CLEAR_PX, VISTA_SURFACE_PX};
+  return depth_by_words(&r, found) || depth_by_motion(&r, found);
 }

@@ -26,6 +26,7 @@ struct vista_thin {
   int32_t width_px, height_px;
   vista_straight_lines image;
   flat_lines flat;
+  vista_line_motion motion;
   vista_line_sample *samples; /* scratch: the longer side of the image */
   vista_thin_line *items;
   int32_t count;
@@ -84,6 +85,7 @@ vista_status vista_thin_layout(vista_thin **thin, vista_arena *arena, int32_t wi
   vista_thin parts = {.width_px = width_px, .height_px = height_px};
   vista_straight_lines_layout(&parts.image, arena, width_px, height_px);
   layout_flat(&parts.flat, arena, width_px, height_px);
+  vista_line_motion_layout(&parts.motion, arena, width_px, height_px);
   parts.samples =
       vista_arena_take(arena, (size_t)(width_px > height_px ? width_px : height_px), sizeof(vista_line_sample));
   parts.items = vista_arena_take(arena, VISTA_STRAIGHT_LINES_MAX, sizeof(vista_thin_line));
@@ -97,7 +99,8 @@ vista_status vista_thin_layout(vista_thin **thin, vista_arena *arena, int32_t wi
 /* Adds those lines of the image along which the words tell of a thin thing. */
 static void add_things(const vista_frame_view *frame, const vista_surfaces *surfaces, const vista_straight_lines *lines,
                        vista_thin *thin) {
-  const vista_line_view view = {frame, surfaces, &lines->ridge, thin->samples};
+  const vista_line_view view = {frame, surfaces, &lines->ridge, &thin->motion, thin->samples};
+  vista_line_motion_begin(&thin->motion);
   for (int32_t i = 0; i < lines->count && thin->count < VISTA_THIN_MAX; ++i)
     thin->count += vista_line_depth(&view, &lines->items[i], &thin->items[thin->count]);
 }
@@ -106,11 +109,13 @@ void vista_thin_search(const vista_frame_view *frame, const vista_surfaces *surf
   const vista_thin_params *const params = &frame->params->thin;
   thin->count = 0;
   if (params->find == VISTA_THIN_FIND_OFF || thin->width_px <= 2 * VISTA_RIDGE_REACH) return;
+  vista_past_views_begin(&thin->motion.views, frame);
   const double contrast = fmax(params->contrast, CONTRAST_NOISE * frame->noise.sigma);
   vista_straight_lines_find(&frame->image, contrast, &thin->image);
   add_things(frame, surfaces, &thin->image, thin);
   find_flat(frame, contrast, &thin->flat);
   add_things(frame, surfaces, &thin->flat.lines, thin);
+  vista_past_views_keep(&thin->motion.views, frame);
 }
 
 vista_thin_lines vista_thin_found(const vista_thin *thin) { return (vista_thin_lines){thin->items, thin->count}; }

@@ -12,7 +12,8 @@
  * The limit of two cameras side by side: along a row of the image a horizontal line looks the same everywhere, so its
  * disparity cannot be seen. For a line at an angle a from the horizontal, rows that are misaligned by e px shift its
  * disparity by e / tan(a). Lines from 16 degrees on are looked for from row to row, flatter ones from column to column
- * near where the path leads; of those below 6 degrees the words say nothing. */
+ * near where the path leads; of those below 6 degrees the words say nothing. Of these, and of all others of which words
+ * do not tell, the camera's own way does if it moves them in the image (line_motion.h). */
 #ifndef VISTA_THIN_H
 #define VISTA_THIN_H
 
