@@ -69,30 +69,46 @@ def test_a_place_farther_along_the_line_of_sight_is_told_apart() -> None:
     assert space.look(MIDDLE * 1.02, RADIUS_M).lines == 4
 
 
-def test_frames_that_should_show_it_and_do_not_let_go_of_it() -> None:
-    """Some may miss it; one that shows it again is forgiven all."""
-    space, leaning = watched(), scene(BEHIND, rotation=LEANING)
-    for k in range(4, 8):
-        space.take(leaning, 0.1 * k)
-    assert space.look(MIDDLE, RADIUS_M).lines == 4
-    space.take(leaning, 0.8, lines=[seen_line(LEANING)])
-    for k in range(9, 13):
-        space.take(leaning, 0.1 * k)
-    assert space.look(MIDDLE, RADIUS_M).lines == 5
-    space.take(leaning, 1.3)
+@pytest.mark.parametrize(("shown", "missed"), [(1, 4), (3, 13), (5, 22), (9, 22)])
+def test_frames_that_should_show_it_and_do_not_let_go_of_it(shown: int, missed: int) -> None:
+    """The later, the more have shown it, up to five; one that shows it again is forgiven all."""
+    space, leaning, t = watched(shown), scene(BEHIND, rotation=LEANING), shown
+    for _ in range(missed):
+        space.take(leaning, 0.1 * t)
+        t += 1
+    assert space.look(MIDDLE, RADIUS_M).lines == min(shown, 5)
+    space.take(leaning, 0.1 * t, lines=[seen_line(LEANING)])
+    t += 1
+    longest = {1: 8, 3: 17, 5: 22, 9: 22}[shown]
+    for _ in range(longest):
+        space.take(leaning, 0.1 * t)
+        t += 1
+    assert space.look(MIDDLE, RADIUS_M).lines == min(shown + 1, 5)
+    for _ in range(2):
+        space.take(leaning, 0.1 * t)
+        t += 1
     assert space.look(MIDDLE, RADIUS_M).lines == 0
 
 
 def test_frames_that_follow_closely_count_as_one_and_let_go_no_sooner() -> None:
     space, leaning = Space(), scene(BEHIND, rotation=LEANING)
-    for k in range(8):
+    for k in range(5):
         space.take(leaning, 0.04 * k, lines=[seen_line(LEANING)])
-    assert space.look(MIDDLE, RADIUS_M).lines == 4
-    for k in range(8, 19):
+    assert space.look(MIDDLE, RADIUS_M).lines == 3
+    for k in range(5, 34):
         space.take(leaning, 0.04 * k)
-    assert space.look(MIDDLE, RADIUS_M).lines == 4
-    space.take(leaning, 0.04 * 19)
+    assert space.look(MIDDLE, RADIUS_M).lines == 3
+    space.take(leaning, 0.04 * 34)
     assert space.look(MIDDLE, RADIUS_M).lines == 0
+
+
+def test_five_pieces_of_a_line_are_kept_and_what_is_longer_than_they() -> None:
+    space, leaning = watched(2), scene(BEHIND, rotation=LEANING)
+    half = np.array([WIRE[0] + 0.25 * (WIRE[1] - WIRE[0]), WIRE[0] + 0.75 * (WIRE[1] - WIRE[0])])
+    for k in range(2, 30):
+        space.take(leaning, 0.1 * k, lines=[seen_line(LEANING, half)])
+    assert space.handle.lines.count == 2 + 5
+    assert space.look(WIRE[0] + 0.1 * (WIRE[1] - WIRE[0]), RADIUS_M).lines == 2
 
 
 def test_after_a_gap_one_frame_lets_go_of_nothing() -> None:
@@ -117,10 +133,13 @@ def test_a_line_of_unknown_range_tells_nothing() -> None:
 
 def test_a_start_forgets_them_and_memory_is_bounded() -> None:
     space = Space()
+    apart = [
+        seen_line(LEANING, (1.0 + 0.35 * (k // 8)) * (WIRE + np.array([0.0, k % 8 - 4.0, 0.0])))
+        for k in range(lib.VISTA_THIN_MAX)
+    ]
     for k in range(5):
-        lines = [seen_line(LEANING)] * lib.VISTA_THIN_MAX
-        space.take(scene(BEHIND, rotation=LEANING), 0.1 * k, lines=lines)
+        space.take(scene(BEHIND, rotation=LEANING), 0.1 * k, lines=apart)
     assert space.handle.lines.count == lib.VISTA_LINES_KEPT
-    assert space.look(MIDDLE, RADIUS_M).lines == 3  # the newest: 2 of 96 pieces, and the rest
+    assert space.look(MIDDLE, RADIUS_M).lines == 2  # the newest: 2 of 96 pieces, and some of the rest
     space.reset()
     assert space.handle.lines.count == 0

@@ -8,8 +8,10 @@
 #include "common/numbers.h"
 
 #define KEPT_S 60.0
-#define MISSED_S 0.45 /* that frames in a row may miss a line that they should show, */
-#define FRAME_S 0.1 /* and the most that one frame may count for: after a gap as well one frame is no proof */
+#define FRAME_S 0.1 /* the most that one frame may count for: after a gap as well one frame is no proof */
+#define MISSED_SHARE 4.5 /* of the time for which a line was shown, that frames in a row may miss it, */
+#define SHOWN_S 0.5 /* of which no more than this counts: something that moved on was shown, too */
+#define SAME_KEPT 5 /* frames that saw a line: pieces of more of them tell no more */
 #define SAME_M 0.5 /* apart: pieces of one line */
 #define FOUND_SLOPE 0.2 /* of a line in the image, from which on it is found in most frames */
 #define POINTS 9 /* of a line that are looked at to tell whether it is in view, */
@@ -55,6 +57,7 @@ static bool piece_of(const vista_frame_view *frame, const vista_thin_line *line,
   }
   piece->half_m = 0.5 * vista_norm(piece->along_m);
   piece->t_ns = frame->t_ns;
+  piece->shown_s = FRAME_S;
   piece->missed_s = 0.0;
   return true;
 }
@@ -92,24 +95,53 @@ static bool passes(const vista_kept_line *line, const vista_kept_line *other, co
   return is_near(line, &ball) && meets(line, &ball, at_m);
 }
 
-/* Lets go of pieces that are too old, or that frames should show and do not. found: pieces that this one shows. */
+/* A piece that a frame found, and what is kept of its line. */
+typedef struct found_piece {
+  vista_kept_line piece;
+  int32_t newer;    /* frames that saw it, VISTA_SPACE_SPACING_S or more apart, among the pieces looked at so far, */
+  int64_t oldest_t_ns; /* and the last of them */
+} found_piece;
+
+/* Whether the frame shows a kept line: one of the pieces that it found is of it, and has been shown for as long then.
+ * From the newest line on; *spare: whether those of before tell all that this one does. */
+static bool is_shown(const vista_frame_view *frame, double frame_s, vista_kept_line *line, found_piece *found,
+                     int32_t count, bool *spare) {
+  bool shown = false;
+  *spare = false;
+  for (int32_t k = 0; k < count; ++k) {
+    found_piece *const f = &found[k];
+    if (!passes(line, &f->piece, frame) && !passes(&f->piece, line, frame)) continue;
+    shown = true;
+    f->piece.shown_s = fmax(f->piece.shown_s, fmin(line->shown_s + frame_s, SHOWN_S));
+    *spare |= f->newer >= SAME_KEPT && line->half_m <= f->piece.half_m;
+    if (vista_seconds_between(line->t_ns, f->oldest_t_ns) < VISTA_SPACE_SPACING_S) continue;
+    ++f->newer;
+    f->oldest_t_ns = line->t_ns;
+  }
+  if (shown) line->shown_s = fmin(line->shown_s + frame_s, SHOWN_S);
+  return shown;
+}
+
+/* Lets go of pieces that are too old, or that frames should show and do not, or that newer ones stand for. found: pieces
+ * that this one shows. */
 static int32_t keep(vista_kept_line *items, int32_t count, int64_t previous_t_ns, const vista_frame_view *frame,
-                    const vista_kept_line *found, int32_t found_count) {
+                    found_piece *found, int32_t found_count) {
   const double frame_s = fmin(vista_seconds_between(previous_t_ns, frame->t_ns), FRAME_S);
-  int32_t kept = 0;
-  for (int32_t i = 0; i < count; ++i) {
+  int32_t first = count;
+  for (int32_t i = count - 1; i >= 0; --i) { /* from the newest on, which move to the end */
     vista_kept_line *const line = &items[i];
-    bool shown = false;
-    for (int32_t k = 0; k < found_count && !shown; ++k)
-      shown = passes(line, &found[k], frame) || passes(&found[k], line, frame);
-    if (shown)
+    bool spare;
+    if (is_shown(frame, frame_s, line, found, found_count, &spare))
       line->missed_s = 0.0;
     else if (should_show(frame, line))
       line->missed_s += frame_s;
-    if (line->missed_s > MISSED_S || vista_seconds_between(line->t_ns, frame->t_ns) > KEPT_S) continue;
-    items[kept++] = *line;
+    if (spare || line->missed_s > MISSED_SHARE * line->shown_s ||
+        vista_seconds_between(line->t_ns, frame->t_ns) > KEPT_S)
+      continue;
+    items[--first] = *line;
   }
-  return kept;
+  memmove(items, items + first, (size_t)(count - first) * sizeof *items);
+  return count - first;
 }
 
 void vista_kept_lines_add(vista_kept_lines *kept, const vista_frame_view *frame, const vista_thin_lines *lines) {
@@ -117,9 +149,13 @@ void vista_kept_lines_add(vista_kept_lines *kept, const vista_frame_view *frame,
     kept->count = 0;
     return;
   }
-  vista_kept_line found[VISTA_THIN_MAX];
+  found_piece found[VISTA_THIN_MAX];
   int32_t count = 0;
-  for (int32_t i = 0; i < lines->count; ++i) count += piece_of(frame, &lines->items[i], &found[count]);
+  for (int32_t i = 0; i < lines->count; ++i) {
+    if (!piece_of(frame, &lines->items[i], &found[count].piece)) continue;
+    found[count].newer = 1;
+    found[count++].oldest_t_ns = frame->t_ns;
+  }
   kept->count = keep(kept->items, kept->count, kept->t_ns, frame, found, count);
   kept->t_ns = frame->t_ns;
   const int32_t over = kept->count + count - VISTA_LINES_KEPT;
@@ -127,8 +163,7 @@ void vista_kept_lines_add(vista_kept_lines *kept, const vista_frame_view *frame,
     kept->count -= over;
     memmove(kept->items, kept->items + over, (size_t)kept->count * sizeof kept->items[0]);
   }
-  memcpy(kept->items + kept->count, found, (size_t)count * sizeof found[0]);
-  kept->count += count;
+  for (int32_t k = 0; k < count; ++k) kept->items[kept->count++] = found[k].piece;
 }
 
 int32_t vista_kept_lines_frames(const vista_kept_lines *kept, const vista_kept_ball *ball, double at_m[3]) {

@@ -1,11 +1,13 @@
 /* Thin things that were found, kept where they are in the world: straight pieces, as each frame saw them.
  *
- * A wire across the way is seen while the aircraft leans, so that the wire crosses the rows of the image, and is lost when
- * the aircraft levels: along a row it looks the same everywhere, and no disparity can be told (thin.h). It is still there.
- * So a piece is kept for KEPT_S, or until for MISSED_S the frames that should have shown it did not: those that have it in
- * view, no nearer than the engine matches, at an angle at which lines are found.
+ * A wire across the way is seen while the aircraft leans, so that the wire crosses the rows of the image, and is lost
+ * when the aircraft levels: along a row it looks the same everywhere, and no disparity can be told (thin.h). It is still
+ * there. So a piece is kept for KEPT_S, or until frames that should have shown it did not: those that have it in view,
+ * no nearer than the engine matches, at an angle at which lines are found. A line is found in about half of the frames
+ * that have it in view, so one that many have shown is missed for longer before it is let go of.
  *
- * Memory is bounded: with all of it taken the oldest piece makes room. */
+ * Memory is bounded: a piece that is no longer than so many newer ones of its line makes room, and with all of it taken
+ * the oldest. */
 #ifndef VISTA_KEPT_LINES_H
 #define VISTA_KEPT_LINES_H
 
@@ -24,7 +26,8 @@ typedef struct vista_kept_line {
   double from_m[3], along_m[3]; /* world: one end, and from there to the other one */
   double middle_m[3], half_m;   /* and the ball around it */
   double sigma_m;               /* of the distance from the camera that saw it, at the less certain end */
-  double missed_s;              /* of frames that should have shown it, since the last that did */
+  double shown_s;               /* of frames that showed its line, */
+  double missed_s;              /* and of those that should have, since the last that did */
 } vista_kept_line;
 
 typedef struct vista_kept_lines {
