@@ -314,7 +314,14 @@ static int32_t keep_apart(const reading *r, vista_line_sample *samples, int32_t 
 
 static bool depth_by_motion(reading *r, vista_thin_line *found) {
   vista_line_sample *const samples = r->view->samples;
-  const vista_moved_samples moved = vista_line_motion_samples(r->view->frame, r->line, r->view->motion, samples);
+  vista_line_motion *const motion = r->view->motion;
+  for (int32_t k = 0; k < VISTA_MOTION_SAMPLES; ++k) {
+    const int32_t t = vista_moved_sample_px(r->line, k);
+    if (t > r->line->last_px) break;
+    motion->beside_px[k] = (float)beside(r, t);
+  }
+  const vista_moved_samples moved =
+      vista_line_motion_samples(r->view->frame, r->line, motion->beside_px, motion, samples);
   const double sigma_px = hypot(POSE_ERROR_PX * moved.per_px, STEP_ERROR * moved.step_px);
   const double reach = fmax(AGREE_PX, MOVED_STEPS * moved.step_px);
   r->apart_px = VISTA_SURFACE_PX + APART_SIGMAS * sigma_px;

@@ -14,7 +14,7 @@
 #define VIEWS_MIN 3 /* that are kept */
 #define DEPTH_MIN 0.05f /* in a view, per depth here: what is nearer is beside it or behind */
 #define HYPOTHESES 64
-#define SAMPLES_MAX 1000 /* of the lines that are looked for together */
+#define SAMPLES_MAX 500 /* of the lines that are looked for together */
 #define SHIFT_MIN_PX 8.0 /* of the line in the view that shows most, over all hypotheses */
 #define SHIFT_STEP_PX 1.0 /* there, from one hypothesis to the next: half as wide as the thinnest line */
 #define SNAP_PX 2 /* a line of the image may be off the ridge it is of */
@@ -22,6 +22,8 @@
 #define BOX 4 /* samples that are judged together */
 #define OWN_MIN 1.5 /* grey levels: a line that is fainter is not looked for */
 #define SCORE_MIN 0.35 /* of the line's own contrast, mean of the views */
+#define ON_SURFACE 0.5 /* the same, at the disparity of what is beside: such a line is of that */
+#define SURFACE_POINTS 10 /* of it that tell, about */
 #define PEAK_SHARE 0.8 /* Hypotheses that have this share of the best score */
 #define PEAK_STEPS 4 /* lie no farther apart than this. */
 
@@ -32,11 +34,10 @@ typedef struct vista_line_point {
 } vista_line_point;
 
 void vista_line_motion_layout(vista_line_motion *motion, vista_arena *arena, int32_t width_px, int32_t height_px) {
-  const int32_t longer_px = width_px > height_px ? width_px : height_px;
+  const size_t most = VISTA_MOTION_SAMPLES;
   vista_past_views_layout(&motion->views, arena, width_px, height_px);
-  motion->most = longer_px / VISTA_MOTION_SPACING_PX + 1;
-  const size_t most = (size_t)motion->most;
   motion->points = vista_arena_take(arena, most, sizeof *motion->points);
+  motion->beside_px = vista_arena_take(arena, most, sizeof *motion->beside_px);
   motion->score = vista_arena_take(arena, most * HYPOTHESES, sizeof *motion->score);
   motion->seen = vista_arena_take(arena, most * HYPOTHESES, sizeof *motion->seen);
 }
@@ -59,8 +60,8 @@ static int32_t take_points(const vista_frame_view *frame, const vista_thin_line 
   const vista_camera *const camera = frame->camera;
   const bool flat = lies_flat(line);
   int32_t count = 0;
-  for (int32_t t = line->first_px + VISTA_MOTION_SPACING_PX / 2; t <= line->last_px && count < motion->most;
-       t += VISTA_MOTION_SPACING_PX) {
+  for (int32_t t = vista_moved_sample_px(line, 0); t <= line->last_px && count < VISTA_MOTION_SAMPLES;
+       t = vista_moved_sample_px(line, count)) {
     double at_px[2] = {vista_thin_u_px(line, t), vista_thin_v_px(line, t)};
     const int32_t column = (int32_t)lround(at_px[0]), row = (int32_t)lround(at_px[1]);
     int32_t own = 0, sum = 0, moment = 0;
@@ -131,22 +132,75 @@ static double shift_px(const vista_camera *camera, const passage *p, const vista
   return fabs(camera->focal_px * (p->across[0] * (near[0] - far[0]) + p->across[1] * (near[1] - far[1])));
 }
 
+/* How much a view shows a line, as strong as the point's own at most, where a point of this disparity lies; false: the
+ * view does not hold it. */
+static bool shown_at(const vista_past_views *views, const int8_t *ridge, const passage *p, const vista_camera *camera,
+                     const vista_line_point *point, double inverse_m, int32_t *shown) {
+  double at[2];
+  if (!place_in(p, point, inverse_m, at)) return false;
+  const double u = camera->center_u_px + camera->focal_px * at[0] + 0.5;
+  const double v = camera->center_v_px + camera->focal_px * at[1] + 0.5;
+  if (!(u >= 0.0 && u < views->width_px && v >= 0.0 && v < views->height_px)) return false;
+  const int32_t there = ridge[(ptrdiff_t)v * views->width_px + (ptrdiff_t)u], own = abs(point->own);
+  const int32_t same = point->own > 0 ? there : -there;
+  *shown = same > own ? own : same < -AGAINST ? -AGAINST : same;
+  return true;
+}
+
+/* Whether the line is of what is matched beside it, as most lines are, give or take a step of disparity: the views show
+ * it where it is then. beside_px: of all samples; some of them are enough. */
+static bool lies_on_surface(const vista_line_motion *motion, const passage *passages, const vista_camera *camera,
+                            const float *beside_px, int32_t count, double step_px, double per_px_m) {
+  const vista_past_views *const views = &motion->views;
+  int32_t shown[3] = {0}, full[3] = {0};
+  for (int32_t k = 0; k < count; k += 1 + count / SURFACE_POINTS) {
+    const vista_line_point *const point = &motion->points[k];
+    for (int32_t i = 0; i < views->count; ++i)
+      for (int step = 0; step < 3; ++step) {
+        const double inverse_m = fmax((double)beside_px[k] + (step - 1) * step_px, 0.0) * per_px_m;
+        int32_t here = 0;
+        if (beside_px[k] >= 0.0f &&
+            !shown_at(views, views->items[i].ridge[passages[i].flat], &passages[i], camera, point, inverse_m, &here))
+          continue;
+        shown[step] += here;
+        full[step] += abs(point->own);
+      }
+  }
+  for (int step = 0; step < 3; ++step)
+    if (full[step] > 0 && shown[step] > ON_SURFACE * full[step]) return true;
+  return false;
+}
+
 /* The pixels of a view in which a point lies, for each hypothesis; -1: outside. */
 VISTA_WIDE_VECTORS static void place(const passage *p, const vista_camera *camera, const float sight[3],
                                      int32_t hypotheses, float inverse_step_m, int32_t *restrict pixel) {
   float far[3];
   turned(p, sight, far);
-  const float focal = (float)camera->focal_px, cu = (float)camera->center_u_px + 0.5f,
+  const int32_t row_px = camera->width_px;
+  const float right = far[0], down = far[1], ahead = far[2], right_m = p->offset_m[0], down_m = p->offset_m[1],
+              ahead_m = p->offset_m[2], focal = (float)camera->focal_px, cu = (float)camera->center_u_px + 0.5f,
               cv = (float)camera->center_v_px + 0.5f, width = (float)camera->width_px,
               height = (float)camera->height_px;
   for (int32_t h = 0; h < hypotheses; ++h) {
-    const float inverse_m = (float)h * inverse_step_m, z = far[2] + inverse_m * p->offset_m[2];
-    const float scale = focal / (z > DEPTH_MIN ? z : DEPTH_MIN);
-    const float u = cu + scale * (far[0] + inverse_m * p->offset_m[0]);
-    const float v = cv + scale * (far[1] + inverse_m * p->offset_m[1]);
-    const bool inside = (z > DEPTH_MIN) & (u >= 0.0f) & (u < width) & (v >= 0.0f) & (v < height);
-    const int32_t column = (int32_t)(inside ? u : 0.0f), row = (int32_t)(inside ? v : 0.0f);
-    pixel[h] = inside ? row * camera->width_px + column : -1;
+    const float inverse_m = (float)h * inverse_step_m, z = ahead + inverse_m * ahead_m;
+    const float scale = focal / vista_larger(z, DEPTH_MIN);
+    const float u = cu + scale * (right + inverse_m * right_m), v = cv + scale * (down + inverse_m * down_m);
+    const int32_t inside = (z > DEPTH_MIN) & (u >= 0.0f) & (u < width) & (v >= 0.0f) & (v < height);
+    const int32_t column = (int32_t)vista_larger(vista_smaller(u, width - 1.0f), 0.0f);
+    const int32_t row = (int32_t)vista_larger(vista_smaller(v, height - 1.0f), 0.0f);
+    pixel[h] = inside * (row * row_px + column + 1) - 1;
+  }
+}
+
+/* Adds what a view shows at the pixels of a point: as strong a line as the point's own at most. */
+VISTA_WIDE_VECTORS static void add_shown(const int16_t *restrict there, const int32_t *restrict pixel, int16_t own,
+                                         int32_t hypotheses, int16_t *restrict score, int16_t *restrict seen) {
+  const int16_t size = (int16_t)(own < 0 ? -own : own), sign = (int16_t)(own < 0 ? -1 : 1);
+  for (int32_t h = 0; h < hypotheses; ++h) {
+    const int16_t inside = (int16_t)(pixel[h] >= 0), same = (int16_t)(sign * there[h]);
+    const int16_t most = same > size ? size : same, shown = (int16_t)(most < -AGAINST ? -AGAINST : most);
+    score[h] = (int16_t)(score[h] + inside * shown);
+    seen[h] = (int16_t)(seen[h] + inside);
   }
 }
 
@@ -154,17 +208,13 @@ VISTA_WIDE_VECTORS static void place(const passage *p, const vista_camera *camer
 static void look_in(const int8_t *restrict ridge, const passage *p, const vista_camera *camera, int32_t hypotheses,
                     float inverse_step_m, int32_t count, vista_line_motion *motion) {
   int32_t pixel[HYPOTHESES];
+  int16_t there[HYPOTHESES];
   for (int32_t k = 0; k < count; ++k) {
     const vista_line_point *const point = &motion->points[k];
-    const int32_t own = abs(point->own), sign = point->own > 0 ? 1 : -1;
-    int16_t *restrict const score = motion->score + (ptrdiff_t)k * HYPOTHESES;
-    int16_t *restrict const seen = motion->seen + (ptrdiff_t)k * HYPOTHESES;
     place(p, camera, point->sight, hypotheses, inverse_step_m, pixel);
-    for (int32_t h = 0; h < hypotheses; ++h) {
-      const int32_t there = sign * ridge[pixel[h] < 0 ? 0 : pixel[h]], inside = pixel[h] >= 0;
-      score[h] = (int16_t)(score[h] + inside * (there > own ? own : there < -AGAINST ? -AGAINST : there));
-      seen[h] = (int16_t)(seen[h] + inside);
-    }
+    for (int32_t h = 0; h < hypotheses; ++h) there[h] = ridge[pixel[h] < 0 ? 0 : pixel[h]];
+    add_shown(there, pixel, (int16_t)point->own, hypotheses, motion->score + (ptrdiff_t)k * HYPOTHESES,
+              motion->seen + (ptrdiff_t)k * HYPOTHESES);
   }
 }
 
@@ -212,14 +262,14 @@ static double most_shift_px(const vista_camera *camera, const passage *passages,
 }
 
 vista_moved_samples vista_line_motion_samples(const vista_frame_view *frame, const vista_thin_line *line,
-                                              vista_line_motion *motion, vista_line_sample *samples) {
+                                              const float *beside_px, vista_line_motion *motion,
+                                              vista_line_sample *samples) {
   const vista_camera *const camera = frame->camera;
   const vista_past_views *const views = &motion->views;
   vista_moved_samples found = {0};
   if (views->count < VIEWS_MIN || !frame->motion.known) return found;
   const int32_t count = take_points(frame, line, motion);
-  if (count < BOX || count > motion->samples_left) return found;
-  motion->samples_left -= count;
+  if (count < BOX) return found;
   passage passages[VISTA_PAST_VIEWS];
   for (int32_t i = 0; i < views->count; ++i)
     passages[i] =
@@ -231,6 +281,10 @@ vista_moved_samples vista_line_motion_samples(const vista_frame_view *frame, con
   const int32_t hypotheses = (int32_t)fmin(ceil(shift / SHIFT_STEP_PX) + 1.0, HYPOTHESES);
   found.step_px = most_px / (hypotheses - 1);
   found.per_px = most_px / shift;
+  if (count > motion->samples_left ||
+      lies_on_surface(motion, passages, camera, beside_px, count, found.step_px, per_px_m))
+    return found;
+  motion->samples_left -= count;
   found.asked = count;
   memset(motion->score, 0, (size_t)count * HYPOTHESES * sizeof *motion->score);
   memset(motion->seen, 0, (size_t)count * HYPOTHESES * sizeof *motion->seen);

@@ -17,7 +17,8 @@
 #include "perceive/line/past_views.h"
 #include "perceive/line/thin_line.h"
 
-#define VISTA_MOTION_SPACING_PX 4 /* along the line, from one sample to the next */
+#define VISTA_MOTION_SPACING_PX 4 /* along the line, from one sample to the next, at least, */
+#define VISTA_MOTION_SAMPLES 80   /* and so many of a line at most */
 
 /* A pixel along the line, and its disparity. */
 typedef struct vista_line_sample {
@@ -27,8 +28,8 @@ typedef struct vista_line_sample {
 typedef struct vista_line_motion {
   vista_past_views views;
   int32_t samples_left;            /* that may still be looked for, which bounds the time */
-  int32_t most;                    /* of the samples of a line */
-  struct vista_line_point *points; /* scratch: most */
+  struct vista_line_point *points; /* scratch: of a line */
+  float *beside_px;                /* scratch of who asks: of a line */
   int16_t *score; /* scratch: for each of them, of each disparity, how much the views show a line there */
   int16_t *seen;  /* scratch: and how many of them hold the point */
 } vista_line_motion;
@@ -45,8 +46,17 @@ typedef struct vista_moved_samples {
   double per_px; /* of disparity: what a pixel is worth in the view in which the line moves most */
 } vista_moved_samples;
 
-/* Fills samples, in order; room for as many as the line has pixels. */
+/* Coordinate along the line of one of its samples. */
+static inline int32_t vista_moved_sample_px(const vista_thin_line *line, int32_t k) {
+  const int32_t apart_px = (line->last_px - line->first_px) / VISTA_MOTION_SAMPLES + 1;
+  const int32_t spacing_px = apart_px > VISTA_MOTION_SPACING_PX ? apart_px : VISTA_MOTION_SPACING_PX;
+  return line->first_px + spacing_px / 2 + k * spacing_px;
+}
+
+/* Fills samples, VISTA_MOTION_SAMPLES at most, in order. beside_px: for each sample, the disparity of what is
+ * matched beside the line; negative: nothing is. A line that is of that gets no samples. */
 vista_moved_samples vista_line_motion_samples(const vista_frame_view *frame, const vista_thin_line *line,
-                                              vista_line_motion *motion, vista_line_sample *samples);
+                                              const float *beside_px, vista_line_motion *motion,
+                                              vista_line_sample *samples);
 
 #endif
