@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 from random_seed import seeded
+from scipy.spatial.transform import Rotation
 from thin_cases import BASELINE_M, CENTER, FOCAL_PX, HEIGHT, WIDTH, Thin, Wire, wire_at, with_wire
 from vista.engine import INVALID
 
@@ -91,6 +92,23 @@ def test_a_camera_that_rises_finds_a_wire_straight_ahead() -> None:
     path: Path = [(0.0, -0.2 * k, 0.45 * k) for k in range(6)]
     (line,) = fly(Thin(), wire, path)
     assert off_px(line, wire, path[-1]) < 2.0 * line.lasting_sigma_px
+
+
+@pytest.mark.parametrize("angle_deg", [35.0, -50.0])
+def test_a_camera_that_leans_over_finds_what_lay_level_before(angle_deg: float) -> None:
+    """The line is as steep in the last view as it was flat in those before."""
+    random, thin, wire = seeded(6), Thin(), level(1.0)
+    turn = Rotation.from_euler("z", angle_deg, degrees=True).as_matrix()
+    found: list = []
+    for k, at_m in enumerate(FORWARD):
+        seen, leans = seen_from(wire, at_m), k + 1 == len(FORWARD)
+        if leans:
+            seen = Wire(turn.T @ seen.middle_m, turn.T @ seen.direction, seen.diameter_m, seen.grey)
+        image = with_wire(sky(at_m), seen, random)
+        found = thin.find(image, NO_WORDS, at_m=at_m, turn=turn if leans else None)
+    (line,) = found
+    range_px = FOCAL_PX * BASELINE_M / (wire.middle_m[2] - FORWARD[-1][2])
+    assert abs(line.disparity_px - range_px) < 2.0 * line.lasting_sigma_px < 0.2 * range_px
 
 
 @pytest.mark.same_c

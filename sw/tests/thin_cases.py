@@ -105,9 +105,11 @@ class Thin:
         self._arena = Arena(lambda arena: lib.vista_thin_layout(self._handle, arena, WIDTH, HEIGHT))
         assert status_name(self._arena.status) == "VISTA_OK"
 
-    def find(self, image: np.ndarray, words: np.ndarray, ground=None, at_m=None, restarted=False) -> list:
-        """ground: offset and slopes of its plane. at_m: where the camera is, looking as before, if that is
-        known."""
+    def find(
+        self, image: np.ndarray, words: np.ndarray, ground=None, at_m=None, turn=None, restarted=False
+    ) -> list:
+        """ground: offset and slopes of its plane. at_m: where the camera is, if that is known. turn: world
+        from camera, if it looks another way than at the beginning."""
         noise = ffi.new("vista_image_noise *")
         assert lib.vista_image_noise_measure(image_struct("image", image), noise) == lib.VISTA_OK
         area = ffi.new("vista_matched_area *", {"disparity_max_px": 127.0, "margin_px": BLOCK_RADIUS_PX})
@@ -117,6 +119,8 @@ class Thin:
         )
         frame.motion.known, frame.motion.restarted = at_m is not None, restarted
         frame.motion.pose.translation_m = [0.0, 0.0, 0.0] if at_m is None else [float(x) for x in at_m]
+        if turn is not None:
+            frame.motion.pose.rotation = [float(x) for x in np.ravel(turn)]
         surfaces = ffi.new("vista_surfaces *")
         if ground is not None:
             surfaces.ground_found, surfaces.ground = True, list(ground)

@@ -23,6 +23,7 @@
 #define OWN_MIN 1.5 /* grey levels: a line that is fainter is not looked for */
 #define SCORE_MIN 0.35 /* of the line's own contrast, mean of the views */
 #define ON_SURFACE 0.5 /* the same, at the disparity of what is beside: such a line is of that */
+#define AROUND 3 /* disparities there: with one a step nearer, and one a step farther */
 #define SURFACE_POINTS 10 /* of it that tell, about */
 #define PEAK_SHARE 0.8 /* Hypotheses that have this share of the best score */
 #define PEAK_STEPS 4 /* lie no farther apart than this. */
@@ -132,48 +133,15 @@ static double shift_px(const vista_camera *camera, const passage *p, const vista
   return fabs(camera->focal_px * (p->across[0] * (near[0] - far[0]) + p->across[1] * (near[1] - far[1])));
 }
 
-/* How much a view shows a line, as strong as the point's own at most, where a point of this disparity lies; false: the
- * view does not hold it. */
-static bool shown_at(const vista_past_views *views, const int8_t *ridge, const passage *p, const vista_camera *camera,
-                     const vista_line_point *point, double inverse_m, int32_t *shown) {
-  double at[2];
-  if (!place_in(p, point, inverse_m, at)) return false;
-  const double u = camera->center_u_px + camera->focal_px * at[0] + 0.5;
-  const double v = camera->center_v_px + camera->focal_px * at[1] + 0.5;
-  if (!(u >= 0.0 && u < views->width_px && v >= 0.0 && v < views->height_px)) return false;
-  const int32_t there = ridge[(ptrdiff_t)v * views->width_px + (ptrdiff_t)u], own = abs(point->own);
-  const int32_t same = point->own > 0 ? there : -there;
-  *shown = same > own ? own : same < -AGAINST ? -AGAINST : same;
-  return true;
-}
-
-/* Whether the line is of what is matched beside it, as most lines are, give or take a step of disparity: the views show
- * it where it is then. beside_px: of all samples; some of them are enough. */
-static bool lies_on_surface(const vista_line_motion *motion, const passage *passages, const vista_camera *camera,
-                            const float *beside_px, int32_t count, double step_px, double per_px_m) {
-  const vista_past_views *const views = &motion->views;
-  int32_t shown[3] = {0}, full[3] = {0};
-  for (int32_t k = 0; k < count; k += 1 + count / SURFACE_POINTS) {
-    const vista_line_point *const point = &motion->points[k];
-    for (int32_t i = 0; i < views->count; ++i)
-      for (int step = 0; step < 3; ++step) {
-        const double inverse_m = fmax((double)beside_px[k] + (step - 1) * step_px, 0.0) * per_px_m;
-        int32_t here = 0;
-        if (beside_px[k] >= 0.0f &&
-            !shown_at(views, views->items[i].ridge[passages[i].flat], &passages[i], camera, point, inverse_m, &here))
-          continue;
-        shown[step] += here;
-        full[step] += abs(point->own);
-      }
-  }
-  for (int step = 0; step < 3; ++step)
-    if (full[step] > 0 && shown[step] > ON_SURFACE * full[step]) return true;
-  return false;
-}
+/* Some hypotheses of the inverse depth: from the first one on, so far apart. */
+typedef struct hypotheses {
+  float first_m, step_m;
+  int32_t count;
+} hypotheses;
 
 /* The pixels of a view in which a point lies, for each hypothesis; -1: outside. */
 VISTA_WIDE_VECTORS static void place(const passage *p, const vista_camera *camera, const float sight[3],
-                                     int32_t hypotheses, float inverse_step_m, int32_t *restrict pixel) {
+                                     hypotheses asked, int32_t *restrict pixel) {
   float far[3];
   turned(p, sight, far);
   const int32_t row_px = camera->width_px;
@@ -181,8 +149,8 @@ VISTA_WIDE_VECTORS static void place(const passage *p, const vista_camera *camer
               ahead_m = p->offset_m[2], focal = (float)camera->focal_px, cu = (float)camera->center_u_px + 0.5f,
               cv = (float)camera->center_v_px + 0.5f, width = (float)camera->width_px,
               height = (float)camera->height_px;
-  for (int32_t h = 0; h < hypotheses; ++h) {
-    const float inverse_m = (float)h * inverse_step_m, z = ahead + inverse_m * ahead_m;
+  for (int32_t h = 0; h < asked.count; ++h) {
+    const float inverse_m = asked.first_m + (float)h * asked.step_m, z = ahead + inverse_m * ahead_m;
     const float scale = focal / vista_larger(z, DEPTH_MIN);
     const float u = cu + scale * (right + inverse_m * right_m), v = cv + scale * (down + inverse_m * down_m);
     const int32_t inside = (z > DEPTH_MIN) & (u >= 0.0f) & (u < width) & (v >= 0.0f) & (v < height);
@@ -194,9 +162,9 @@ VISTA_WIDE_VECTORS static void place(const passage *p, const vista_camera *camer
 
 /* Adds what a view shows at the pixels of a point: as strong a line as the point's own at most. */
 VISTA_WIDE_VECTORS static void add_shown(const int16_t *restrict there, const int32_t *restrict pixel, int16_t own,
-                                         int32_t hypotheses, int16_t *restrict score, int16_t *restrict seen) {
+                                         int32_t count, int16_t *restrict score, int16_t *restrict seen) {
   const int16_t size = (int16_t)(own < 0 ? -own : own), sign = (int16_t)(own < 0 ? -1 : 1);
-  for (int32_t h = 0; h < hypotheses; ++h) {
+  for (int32_t h = 0; h < count; ++h) {
     const int16_t inside = (int16_t)(pixel[h] >= 0), same = (int16_t)(sign * there[h]);
     const int16_t most = same > size ? size : same, shown = (int16_t)(most < -AGAINST ? -AGAINST : most);
     score[h] = (int16_t)(score[h] + inside * shown);
@@ -204,18 +172,38 @@ VISTA_WIDE_VECTORS static void add_shown(const int16_t *restrict there, const in
   }
 }
 
-/* Adds what a view says of all hypotheses of all points. */
-static void look_in(const int8_t *restrict ridge, const passage *p, const vista_camera *camera, int32_t hypotheses,
-                    float inverse_step_m, int32_t count, vista_line_motion *motion) {
+/* Adds what a past view says of the hypotheses of a point. */
+static void look_at(const vista_past_view *view, const passage *p, const vista_camera *camera,
+                    const vista_line_point *point, hypotheses asked, int16_t *restrict score, int16_t *restrict seen) {
+  const int8_t *restrict const ridge = view->ridge[p->flat];
   int32_t pixel[HYPOTHESES];
   int16_t there[HYPOTHESES];
-  for (int32_t k = 0; k < count; ++k) {
+  place(p, camera, point->sight, asked, pixel);
+  for (int32_t h = 0; h < asked.count; ++h) there[h] = ridge[pixel[h] < 0 ? 0 : pixel[h]];
+  add_shown(there, pixel, (int16_t)point->own, asked.count, score, seen);
+}
+
+/* Whether the line is of what is matched beside it, as most lines are, give or take a step of disparity: the views show
+ * it where it is then. beside_px: of all samples; some of them are enough. */
+static bool lies_on_surface(const vista_line_motion *motion, const passage *passages, const vista_camera *camera,
+                            const float *beside_px, int32_t count, double step_px, double per_px_m) {
+  const vista_past_views *const views = &motion->views;
+  int32_t shown[AROUND] = {0}, full[AROUND] = {0};
+  for (int32_t k = 0; k < count; k += 1 + count / SURFACE_POINTS) {
     const vista_line_point *const point = &motion->points[k];
-    place(p, camera, point->sight, hypotheses, inverse_step_m, pixel);
-    for (int32_t h = 0; h < hypotheses; ++h) there[h] = ridge[pixel[h] < 0 ? 0 : pixel[h]];
-    add_shown(there, pixel, (int16_t)point->own, hypotheses, motion->score + (ptrdiff_t)k * HYPOTHESES,
-              motion->seen + (ptrdiff_t)k * HYPOTHESES);
+    const double first_px = fmax((double)beside_px[k] - step_px, 0.0);
+    const hypotheses asked = {(float)(first_px * per_px_m), (float)(step_px * per_px_m), AROUND};
+    int16_t score[AROUND] = {0}, seen[AROUND] = {0};
+    for (int32_t i = 0; i < views->count && beside_px[k] >= 0.0f; ++i)
+      look_at(&views->items[i], &passages[i], camera, point, asked, score, seen);
+    for (int h = 0; h < AROUND; ++h) {
+      shown[h] += score[h];
+      full[h] += abs(point->own) * (beside_px[k] < 0.0f ? views->count : seen[h]);
+    }
   }
+  for (int h = 0; h < AROUND; ++h)
+    if (full[h] > 0 && shown[h] > ON_SURFACE * full[h]) return true;
+  return false;
 }
 
 /* The share of the line's own contrast that the views show where a hypothesis has the samples of a box; negative: too
@@ -231,18 +219,18 @@ static double score_of(const vista_line_motion *motion, int32_t h, int32_t first
 
 /* The disparity of the samples around one, in steps: the middle of the hypotheses that score best; negative: none stands
  * out. */
-static double best_of(const vista_line_motion *motion, int32_t hypotheses, int32_t k, int32_t count) {
+static double best_of(const vista_line_motion *motion, int32_t steps, int32_t k, int32_t count) {
   const int32_t first = k < BOX / 2 ? 0 : k - BOX / 2, end = k + BOX / 2 > count ? count : k + BOX / 2;
   int32_t own = 0, best = -1;
   for (int32_t i = first; i < end; ++i) own += abs(motion->points[i].own);
   if (own < OWN_MIN * (end - first)) return -1.0;
   double scores[HYPOTHESES], highest = SCORE_MIN;
-  for (int32_t h = 0; h < hypotheses; ++h) {
+  for (int32_t h = 0; h < steps; ++h) {
     scores[h] = score_of(motion, h, first, end, own);
     if (scores[h] > highest) highest = scores[h], best = h;
   }
   double sum = 0.0, moment = 0.0;
-  for (int32_t h = 0; h < hypotheses && best >= 0; ++h) {
+  for (int32_t h = 0; h < steps && best >= 0; ++h) {
     if (!(scores[h] > PEAK_SHARE * highest)) continue;
     if (abs(h - best) > PEAK_STEPS) return -1.0;
     sum += scores[h];
@@ -278,8 +266,8 @@ vista_moved_samples vista_line_motion_samples(const vista_frame_view *frame, con
   const double most_px = vista_matched_finest_px(&frame->matched);
   const double shift = most_shift_px(camera, passages, most_px * per_px_m, count, motion);
   if (shift < SHIFT_MIN_PX) return found;
-  const int32_t hypotheses = (int32_t)fmin(ceil(shift / SHIFT_STEP_PX) + 1.0, HYPOTHESES);
-  found.step_px = most_px / (hypotheses - 1);
+  const int32_t steps = (int32_t)fmin(ceil(shift / SHIFT_STEP_PX) + 1.0, HYPOTHESES);
+  found.step_px = most_px / (steps - 1);
   found.per_px = most_px / shift;
   if (count > motion->samples_left ||
       lies_on_surface(motion, passages, camera, beside_px, count, found.step_px, per_px_m))
@@ -288,11 +276,13 @@ vista_moved_samples vista_line_motion_samples(const vista_frame_view *frame, con
   found.asked = count;
   memset(motion->score, 0, (size_t)count * HYPOTHESES * sizeof *motion->score);
   memset(motion->seen, 0, (size_t)count * HYPOTHESES * sizeof *motion->seen);
+  const hypotheses asked = {0.0f, (float)(found.step_px * per_px_m), steps};
   for (int32_t i = 0; i < views->count; ++i)
-    look_in(views->items[i].ridge[passages[i].flat], &passages[i], camera, hypotheses,
-            (float)(found.step_px * per_px_m), count, motion);
+    for (int32_t k = 0; k < count; ++k)
+      look_at(&views->items[i], &passages[i], camera, &motion->points[k], asked,
+              motion->score + (ptrdiff_t)k * HYPOTHESES, motion->seen + (ptrdiff_t)k * HYPOTHESES);
   for (int32_t k = 0; k < count; ++k) {
-    const double best = best_of(motion, hypotheses, k, count);
+    const double best = best_of(motion, steps, k, count);
     if (best < 0.0) continue;
     samples[found.count++] = (vista_line_sample){motion->points[k].t_px, (float)(best * found.step_px)};
   }

@@ -4,7 +4,6 @@
 
 #include "common/numbers.h"
 #include "common/wide_vectors.h"
-#include "perceive/line/straight_lines.h"
 
 void vista_past_views_layout(vista_past_views *views, vista_arena *arena, int32_t width_px, int32_t height_px) {
   *views = (vista_past_views){.width_px = width_px, .height_px = height_px};

@@ -10,19 +10,17 @@
 
 #include "common/arena.h"
 #include "perceive/frame_view.h"
+#include "perceive/line/straight_lines.h"
 
 #define VISTA_PAST_VIEWS 5
 #define VISTA_PAST_VIEW_STEP_M 0.4 /* least way from one to the next */
 #define VISTA_PAST_VIEW_FULL 7 /* grey levels of contrast: more is no more evidence */
 
-/* How much the middle one of three pixels is on a line, with its sign: the smaller of the steps to both sides. */
-static inline int8_t vista_past_view_ridge(int32_t before, int32_t here, int32_t after) {
-  const int32_t a = here - before, b = here - after;
-  const int32_t low = a < b ? a : b, high = a < b ? b : a;
-  const int32_t ridge = (low > 0 ? low : 0) + (high < 0 ? high : 0);
-  return (int8_t)(ridge > VISTA_PAST_VIEW_FULL    ? VISTA_PAST_VIEW_FULL
-                  : ridge < -VISTA_PAST_VIEW_FULL ? -VISTA_PAST_VIEW_FULL
-                                                  : ridge);
+/* The ridge at the middle one of three pixels. */
+static inline int8_t vista_past_view_ridge(int16_t before, int16_t here, int16_t after) {
+  const int16_t ridge = vista_ridge_of(before, here, after), full = VISTA_PAST_VIEW_FULL;
+  const int16_t most = ridge > full ? full : ridge;
+  return (int8_t)(most < -full ? -full : most);
 }
 
 typedef struct vista_past_view {

@@ -33,11 +33,8 @@ static inline int16_t most(int16_t a, int16_t b) { return a < b ? b : a; }
 VISTA_WIDE_VECTORS
 static void find_row(const uint8_t *grey, int32_t count, int16_t scale, int8_t *value) {
   for (int32_t u = 0; u < count; ++u) {
-    const int16_t a = (int16_t)(grey[u] - grey[u - VISTA_RIDGE_REACH]);
-    const int16_t b = (int16_t)(grey[u] - grey[u + VISTA_RIDGE_REACH]);
-    const int16_t brighter = most(least(a, b), 0), darker = least(most(a, b), 0);
-    const int16_t step =
-        most(least((int16_t)(brighter + darker), MOST_LEVELS), -MOST_LEVELS); /* times the scale it fits */
+    const int16_t ridge = vista_ridge_of(grey[u - VISTA_RIDGE_REACH], grey[u], grey[u + VISTA_RIDGE_REACH]);
+    const int16_t step = most(least(ridge, MOST_LEVELS), -MOST_LEVELS); /* times the scale it fits */
     const int16_t scaled = (int16_t)((int16_t)(step * scale) / (1 << SCALE_BITS));
     value[u] = (int8_t)most(least(scaled, VISTA_RIDGE_FULL), -VISTA_RIDGE_FULL);
   }

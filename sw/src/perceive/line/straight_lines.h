@@ -40,6 +40,13 @@ typedef struct vista_ridge {
   int8_t *sum; /* scratch, width: along one lean */
 } vista_ridge;
 
+/* How much a pixel is on a ridge, by the ones to both sides, with sign, in grey levels. */
+static inline int16_t vista_ridge_of(int16_t before, int16_t here, int16_t after) {
+  const int16_t a = (int16_t)(here - before), b = (int16_t)(here - after);
+  const int16_t low = a > b ? b : a, high = a > b ? a : b;
+  return (int16_t)((low > 0 ? low : 0) + (high < 0 ? high : 0));
+}
+
 void vista_ridge_layout(vista_ridge *ridge, vista_arena *arena, int32_t width_px, int32_t height_px);
 
 /* Fills `value`. full_levels: the contrast in grey levels that counts in full. */
