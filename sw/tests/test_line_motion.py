@@ -76,9 +76,9 @@ def off_px(line, wire: Wire, at_m: tuple[float, float, float]) -> float:
 @pytest.mark.parametrize("angle_deg", [0.0, 3.0])
 def test_a_level_wire_is_found_from_where_the_camera_has_been(before: str, angle_deg: float) -> None:
     random = seeded(2)
-    wire = level(random.choice([-1.0, 1.0]) * random.uniform(0.6, 1.2), angle_deg=angle_deg)
+    wire = level(random.choice([-1.0, 1.0]) * random.uniform(0.85, 1.2), angle_deg=angle_deg)
     grain = cv2.GaussianBlur(random.normal(size=(HEIGHT, WIDTH)), (0, 0), 1.5)
-    wall = wall_of(150.0 + 8.0 * grain / grain.std())
+    wall = wall_of(150.0 + 4.0 * grain / grain.std())
     thin = Thin()
     found = fly(thin, wire, FORWARD, wall, words_of_wall) if before == "a wall" else fly(thin, wire, FORWARD)
     assert len(found) == 1
