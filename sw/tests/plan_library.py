@@ -14,6 +14,7 @@ UP = np.array([0.0, -1.0, 0.0])
 AHEAD = np.array([0.0, 0.0, 1.0])
 RADIUS_M = 1.0
 GROUND_M = 8.0
+SIDE_M = 0.5 * RADIUS_M  # of a cube of the surroundings
 
 
 def vehicle_parameters(**changes):
@@ -87,6 +88,58 @@ def distance_m(point, wall: Wall) -> float:
     x, y, z = point
     aside = max(wall.x_m[0] - x, 0.0, x - wall.x_m[1]), max(wall.y_m[0] - y, 0.0, y - wall.y_m[1])
     return float(np.hypot(np.hypot(*aside), wall.z_m - z))
+
+
+class Surroundings:
+    """The surroundings of a vehicle at its camera, as its planner keeps them."""
+
+    def __init__(self) -> None:
+        self.planner, self.space = Planner(), Space(collision_radius_m=RADIUS_M)
+        self.asked = ffi.new("vista_plan_space *")
+
+    def take(
+        self, walls: list[Wall], position, t_s: float, turn=None, ground_y_m: float | None = 20.0
+    ) -> None:
+        turn = np.eye(3) if turn is None else turn
+        position = np.asarray(position, float)
+        self.space.take(scene(walls, ground_y_m, position, turn), t_s, up_camera=turn.T @ UP)
+        self.ask_at(position, t_s)
+
+    def ask_at(self, position, t_s: float) -> None:
+        self.asked.seen.frame, self.asked.seen.space = self.space.frame, self.space.handle
+        self.asked.planner, self.asked.t_ns = self.planner.handle, round(t_s * SECOND)
+        self.asked.radius_m, self.asked.start_m = RADIUS_M, list(map(float, position))
+        self.asked.looks = 0
+        lib.vista_plan_take_surroundings(self.asked)
+
+    @property
+    def agree(self) -> np.ndarray:
+        return np.frombuffer(ffi.buffer(self.planner.handle.agree), np.int8)
+
+    def middle_m(self, place: int) -> np.ndarray:
+        return (np.array(list(self.planner.handle.cubes[place].at)) + 0.5) * SIDE_M
+
+    @property
+    def standing_m(self) -> list[np.ndarray]:
+        found = []
+        for place in self.asked.standing[0 : self.asked.standing_count]:
+            cube = self.planner.handle.cubes[place]
+            found.append(np.array(list(cube.at)) * SIDE_M + np.array(list(cube.from_corner_m)))
+        return found
+
+    def stands_near(self, point, within_m: float) -> bool:
+        return bool(lib.vista_plan_stands_within(self.asked, list(map(float, point)), within_m) < within_m)
+
+    def was_free(self, point, within_m: float = 0.5 * RADIUS_M) -> bool:
+        return bool(lib.vista_plan_was_free(self.asked, list(map(float, point)), within_m))
+
+    def stood_at(self, point) -> bool:
+        return bool(lib.vista_plan_stood_at(self.asked, list(map(float, point))))
+
+    def is_free(self, point) -> bool:
+        """The planner's own look at a place, in the map of space and in the surroundings."""
+        place = lib.vista_plan_look(self.asked, list(map(float, point)), 0.0)
+        return bool(place.ruling == lib.VISTA_PLAN_CHOSEN)
 
 
 class Flight:

@@ -4,11 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plan_library import AHEAD, RADIUS_M, UP, Flight, Planner, distance_m, goal_of, seen_world, state_of
+from plan_library import (
+    AHEAD,
+    RADIUS_M,
+    UP,
+    Flight,
+    Planner,
+    Surroundings,
+    distance_m,
+    goal_of,
+    seen_world,
+    state_of,
+)
 from random_seed import seeded
 from space_library import SPACE_FRAMES, UNMATCHED, Space, Wall, scene
 from stage_library import ffi, lib
-from track_library import SECOND
 
 
 def test_before_open_space_it_flies_straight_at_the_speed_of_the_goal() -> None:
@@ -178,13 +188,13 @@ def test_it_turns_to_a_goal_that_is_out_of_view(to: tuple[float, float, float]) 
 def test_what_was_seen_to_be_free_stays_so_for_a_while_when_it_leaves_the_view() -> None:
     """The frames that the map still keeps were taken farther ahead, with the vehicle behind the camera."""
     for seconds, known in ((2.0, True), (20.0, False)):
-        planner, space = Planner(), seen_world()
-        planner.decide(space, state_of(velocity=(0.0, 0.0, 3.0)), goal_of(speed_m_s=3.0))
-        space.reset()
-        for k in range(6):
-            space.take(scene((), 20.0, np.array([0.0, 0.0, 30.0])), 1.0 + seconds + 0.1 * k)
-        state = state_of(t_s=1.5 + seconds)
-        decision = planner.decide(space, state, goal_of(speed_m_s=3.0))
+        kept = Surroundings()
+        for k in range(SPACE_FRAMES):
+            kept.take((), (0.0, 0.0, 0.0), 1.0 + 0.1 * k)
+        for k in range(SPACE_FRAMES):
+            kept.take((), (0.0, 0.0, 7.0), 1.0 + seconds + 0.1 * k)
+        state = state_of((0.0, 0.0, 3.0), t_s=1.5 + seconds)
+        decision = kept.planner.decide(kept.space, state, goal_of(speed_m_s=3.0))
         assert (decision.action != "holds") == known
 
 
@@ -194,54 +204,40 @@ def test_what_has_just_come_into_view_is_not_free_yet() -> None:
         assert Planner().decide(seen_world(frames=frames), state_of(), goal_of()).action == action
 
 
-def is_free(planner: Planner, space: Space, point, t_s: float) -> bool:
-    """The planner's own look at a place, with what it keeps of earlier ones."""
-    asked = ffi.new("vista_plan_space *")
-    asked.seen.frame, asked.seen.space = space.frame, space.handle
-    asked.planner, asked.t_ns, asked.radius_m = planner.handle, round(t_s * SECOND), RADIUS_M
-    return bool(lib.vista_plan_look(asked, list(map(float, point)), 0.0).ruling == lib.VISTA_PLAN_CHOSEN)
-
-
-def look_from(space: Space, z_m: float, t_s: float) -> None:
-    space.take(scene((), 20.0, np.array([0.0, 0.0, z_m])), t_s, up_camera=UP)
-
-
-def free_beside(planner: Planner, z_m: float) -> list[bool]:
-    """Points 0.05, 0.3 and 0.55 m beside one that has left the view."""
-    space = Space(collision_radius_m=RADIUS_M)
+def free_after(frames: int, points: list[tuple[float, float, float]], walls=()) -> list[bool]:
+    """Whether places are free that so many frames have had in view, now that they are behind the camera."""
+    kept = Surroundings()
+    for k in range(frames):
+        kept.take(walls, (0.0, 0.0, 0.0), 1.0 + 0.1 * k)
     for k in range(SPACE_FRAMES):
-        look_from(space, 30.0, 2.0 + 0.1 * k)
-    return [is_free(planner, space, (x_m, 0.0, z_m), 3.0) for x_m in (0.05, 0.3, 0.55)]
+        kept.take(walls, (0.0, 0.0, 7.0), 2.0 + 0.1 * k)
+    return [kept.is_free(point) for point in points]
 
 
-def test_out_of_view_a_place_is_free_as_far_as_what_was_seen_around_it() -> None:
-    """All of the radius was seen from 3 m, 0.6 m of it from 1.2 m; half of it has to be left."""
-    planner, space = Planner(), seen_world()
-    assert is_free(planner, space, (0.0, 0.0, 1.2), 1.0) and is_free(planner, space, (0.0, 0.0, 3.0), 1.0)
-    assert free_beside(planner, 1.2) == [True, False, False]
-    assert free_beside(planner, 3.0) == [True, True, False]
+def test_out_of_view_a_place_is_free_if_two_frames_saw_through_all_of_what_is_near_it() -> None:
+    """Half of the view is as wide as half of the way to it: at 5 m it ends 2.7 m beside its middle."""
+    points = [(x_m, 0.0, 5.0) for x_m in (0.0, 1.5, 2.5)]
+    assert free_after(2, points) == [True, True, False]
+    assert free_after(1, points) == [False, False, False]
 
 
-def test_what_the_vehicle_has_passed_was_seen_as_far_as_the_last_frame_that_had_it_in_view() -> None:
-    """The newest frame is 0.2 m before it; the one before saw 0.6 m around it, from 1.2 m."""
-    planner, space = Planner(), Space(collision_radius_m=RADIUS_M)
-    for k in range(SPACE_FRAMES):
-        look_from(space, 0.2 * k if k + 1 < SPACE_FRAMES else 1.8, 1.0 + 0.1 * k)
-    assert is_free(planner, space, (0.0, 0.0, 2.0), 1.5)
-    assert free_beside(planner, 2.0) == [True, False, False]
+def test_what_is_too_near_to_be_matched_was_free_only_if_something_was_matched_behind_it() -> None:
+    """The full resolution matches from 1.9 m on. Of the sky behind the nearer place nothing is matched."""
+    points, wall = [(0.0, 0.0, 1.85), (0.0, 0.0, 4.0)], [Wall(9.0)]
+    assert free_after(2, points) == [False, True]
+    assert free_after(2, points, wall) == [True, True]
 
 
 def test_what_was_seen_to_stand_is_not_seen_through_from_where_it_is_too_near_to_be_matched() -> None:
     """The full resolution matches from 1.9 m on. A pole is let go of where it would be matched and is not."""
-    planner, space, place = Planner(), Space(collision_radius_m=RADIUS_M), (0.0, 0.0, 7.0)
-    pole, t_s, free = [Wall(7.0, (-0.15, 0.15))], 1.0, []
-    for walls, z_m in ((pole, 1.0), ((), 5.6), ((), 1.0), ((), 5.6)):
+    kept, house, t_s, free = Surroundings(), Wall(30.0), 1.0, []
+    pole = Wall(7.0, (-0.15, 0.15), (-0.4, 0.4))
+    for walls, z_m in (([pole, house], 1.0), ([house], 5.6), ([house], 1.0), ([house], 5.6)):
         for _ in range(SPACE_FRAMES):
-            space.take(scene(walls, 20.0, np.array([0.0, 0.0, z_m])), t_s, up_camera=UP)
+            kept.take(walls, (0.0, 0.0, z_m), t_s)
             t_s += 0.1
-        free.append(is_free(planner, space, place, t_s))
+        free.append(kept.is_free((0.0, 0.0, 7.0)))
     assert free == [False, False, True, True]
-    assert not any(thing.t_ns for thing in planner.handle.things)
 
 
 def test_what_is_too_near_is_not_in_the_way_of_getting_away_from_it() -> None:

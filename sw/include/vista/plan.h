@@ -14,9 +14,9 @@
  * (fixed wing), and after it an escape, which ends in a stop (multirotor) or in a circle (fixed wing). It is taken
  * only if all of it, the escape included, lies in space that the last frames have seen to be free, as wide as
  * obstacle_map.collision_radius_m and twice the error of the position. So whoever hears no further decision is safe if
- * he flies on by vista_plan_at. What was seen to be free some seconds ago counts as free when it is out of view; a
- * level grid around the vehicle keeps what was seen for a minute, and tells the shortest way to the goal, which weighs
- * the manoeuvres.
+ * he flies on by vista_plan_at. A grid of cubes around the vehicle keeps for some seconds what was seen to be free and
+ * where something was matched, for what is out of view or too near to be matched; a level grid keeps what was seen for a
+ * minute, and tells the shortest way to the goal, which weighs the manoeuvres.
  * Where no manoeuvre passes, the escape of the decision before is flown. A fixed wing escapes by a climbing turn back
  * and a circle, which lead out of what its camera sees: what no frame has in view, and from 1.5 s ahead on what is
  * hidden, counts as free there unless something is known to be in it (escape_seen).
@@ -37,8 +37,9 @@ VISTA_BEGIN
 
 #define VISTA_PLAN_MOST_POINTS 192  /* of a trajectory, at most */
 #define VISTA_PLAN_MOST_OPTIONS 240 /* that are weighed in a decision, at most */
-#define VISTA_PLAN_SEEN 2048   /* places that were seen to be free, which are kept, at most */
-#define VISTA_PLAN_THINGS 64 /* points at which something stands near the vehicle, which are kept, at most */
+#define VISTA_PLAN_CUBES 32 /* of half a radius, along each side of what is kept of the surroundings */
+#define VISTA_PLAN_CUBE_COUNT 32768 /* the third power of that */
+#define VISTA_PLAN_STOOD 256 /* places where the vehicle was, which are kept, at most */
 #define VISTA_PLAN_GRID 96     /* cells of half a radius along each side of the grid of ways */
 
 /* The vehicle at the time of the decision, not at that of the frame. */
@@ -144,20 +145,20 @@ typedef struct vista_plan_cell {
   int64_t t_ns;
 } vista_plan_cell;
 
-/* A place that was seen to be free. */
-typedef struct vista_plan_seen {
-  double point_m[3];
-  double radius_m; /* of the ball around it that was seen; 0: nobody saw it, but the vehicle was there */
-  int64_t t_ns; /* 0: none */
-} vista_plan_seen;
+/* What the planner keeps of a cube of its surroundings. */
+typedef struct vista_plan_cube {
+  int32_t at[3]; /* which one it is of those that share this memory */
+  float from_corner_m[3]; /* what was matched in it last, mean */
+  int64_t t_ns; /* of the last frame that tells of it; 0: none */
+} vista_plan_cube;
 
-/* A point at which something was matched that stands. */
-typedef struct vista_plan_thing {
+/* Where the vehicle was. */
+typedef struct vista_plan_stood {
   double point_m[3];
-  int64_t t_ns; /* 0: none */
-} vista_plan_thing;
+  int64_t t_ns; /* last; 0: never */
+} vista_plan_stood;
 
-/* A planner, in memory of the caller. Its members are the library's own. */
+/* A planner, in memory of the caller: 1.9 MB, too much for most stacks of threads. Its members are the library's own. */
 typedef struct vista_planner {
   vista_plan_params params;
   double radius_m;
@@ -165,8 +166,13 @@ typedef struct vista_planner {
   int32_t side; /* of the last circle: -1 to the right, 1 to the left, 0 none */
   int64_t t_ns; /* of the last state */
   double wanted[3]; /* velocity that was decided last */
-  vista_plan_seen seen[VISTA_PLAN_SEEN];
-  vista_plan_thing things[VISTA_PLAN_THINGS];
+  vista_plan_stood stood[VISTA_PLAN_STOOD];
+  int32_t last_stood;
+  int64_t taken_ns; /* the newest frame that was taken into the surroundings: */
+  vista_plan_cube cubes[VISTA_PLAN_CUBE_COUNT];
+  int8_t agree[VISTA_PLAN_CUBE_COUNT]; /* frames that agree that it is free; negative: that something stands in it */
+  uint8_t matches[VISTA_PLAN_CUBE_COUNT]; /* of one frame, */
+  float sums[VISTA_PLAN_CUBE_COUNT][3]; /* and where, from the corner of the cube */
   double level[2][3]; /* axes of the grid */
   int32_t first[2]; /* its first cell in `way` and `length`, */
   float length[VISTA_PLAN_GRID][VISTA_PLAN_GRID]; /* of a way through each cell, in its sides, */

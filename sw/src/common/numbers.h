@@ -14,6 +14,11 @@
 static inline float vista_larger(float a, float b) { return a > b ? a : b; }
 static inline float vista_smaller(float a, float b) { return a < b ? a : b; }
 
+/* What is left of a number, 0 .. count - 1. */
+static inline int32_t vista_modulo(int32_t number, int32_t count) {
+  return number % count < 0 ? number % count + count : number % count;
+}
+
 static inline double vista_square(double value) { return value * value; }
 
 static inline double vista_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

@@ -9,6 +9,7 @@
 #include "plan/choice.h"
 #include "plan/primitives.h"
 #include "plan/space.h"
+#include "plan/surroundings.h"
 #include "plan/way_field.h"
 
 #define SIGMAS 2.0 /* of the position's error, by which the vehicle is wider */
@@ -433,7 +434,7 @@ vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipelin
   w.space.late_s = state->t_ns > seen_ns ? vista_seconds_between(seen_ns, state->t_ns) : 0.0;
   w.aim = vista_plan_aim_at(planner, &from, goal);
   w.arrived = !goal->passed && w.aim.distance_m < (circles(&w) ? ARRIVED_S * goal->speed_m_s : ARRIVED_M);
-  vista_plan_stand(&w.space, state->position_m);
+  vista_plan_take_surroundings(&w.space);
   vista_plan_keep(planner, &w.space, state);
   vista_plan_spread(planner, &from, w.aim.point_m);
   decide(&w);

@@ -6,12 +6,14 @@
 #include "common/frame.h"
 #include "common/numbers.h"
 #include "follow/tracker.h"
+#include "plan/surroundings.h"
 #include "space/path_places.h"
 #include "space/space_map.h"
 
 #define AGREE_FRAMES 4 /* that have a place in view before it is free by what they see */
-#define ROOM_SHARE 0.5 /* of the radius: how far around a place out of view what was seen of it has to be free, */
-#define KEPT_S 8.0 /* for so long */
+/* Of the radius: how far around a place out of view all has to be known to be free. What stands that near is in the way
+ * of an escape, too. */
+#define ROOM_SHARE 0.5
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
 #define WIDEST_M 4.0 /* of an obstacle: what is wider has its parts elsewhere, and the map tells of them */
@@ -84,126 +86,6 @@ static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool mov
   return NULL;
 }
 
-/* ---- what was seen to be free ---- */
-
-static uint64_t hash_of(const int64_t cube[3]) {
-  uint64_t hash = 0;
-  for (int i = 0; i < 3; ++i) hash = (hash ^ (uint64_t)cube[i]) * UINT64_C(0x9E3779B97F4A7C15);
-  return hash >> 32;
-}
-
-/* The memory of the places of a cube with sides of half a radius: of all that share it, the last one is kept. */
-static vista_plan_seen *seen_in(const vista_plan_space *space, const int64_t cube[3]) {
-  return &space->planner->seen[hash_of(cube) % VISTA_PLAN_SEEN];
-}
-
-static void cube_of(const vista_plan_space *space, const double point_m[3], int64_t cube[3]) {
-  for (int i = 0; i < 3; ++i) cube[i] = (int64_t)floor(point_m[i] / (ROOM_SHARE * space->planner->radius_m));
-}
-
-static bool is_kept(const vista_plan_space *space, const vista_plan_seen *seen) {
-  return seen->t_ns != 0 && vista_seconds_between(seen->t_ns, space->t_ns) < KEPT_S;
-}
-
-/* Whether what is kept says that a point is free: the ball that was seen leaves enough room around it; or the vehicle
- * stood near it. */
-static bool covers(const vista_plan_space *space, const vista_plan_seen *seen, const double point_m[3]) {
-  const double reach_m =
-      seen->radius_m > 0.0 ? seen->radius_m - ROOM_SHARE * space->radius_m : ROOM_SHARE * space->planner->radius_m;
-  return is_kept(space, seen) && vista_distance(seen->point_m, point_m) <= reach_m;
-}
-
-/* What says that a place is free which is out of view; null: nothing. What was seen comes before where the vehicle
- * stood. */
-static const vista_plan_seen *free_near(const vista_plan_space *space, const double point_m[3]) {
-  const vista_plan_seen *found = NULL;
-  int64_t cube[3], beside[3];
-  cube_of(space, point_m, cube);
-  for (int k = 0; k < 27; ++k) {
-    beside[0] = cube[0] + k % 3 - 1;
-    beside[1] = cube[1] + k / 3 % 3 - 1;
-    beside[2] = cube[2] + k / 9 - 1;
-    const vista_plan_seen *const seen = seen_in(space, beside);
-    if (!covers(space, seen, point_m)) continue;
-    if (seen->radius_m > 0.0) return seen;
-    found = seen;
-  }
-  return found;
-}
-
-/* What is kept of the cube of a point, if it was near to it; null: nothing. */
-static vista_plan_seen *kept_at(const vista_plan_space *space, const double point_m[3]) {
-  int64_t cube[3];
-  cube_of(space, point_m, cube);
-  vista_plan_seen *const seen = seen_in(space, cube);
-  const bool near = vista_distance(seen->point_m, point_m) <= ROOM_SHARE * space->planner->radius_m;
-  return is_kept(space, seen) && near ? seen : NULL;
-}
-
-/* Keeps that the ball of this radius around a place is free; 0: that the vehicle stands there. */
-static void keep(const vista_plan_space *space, const double point_m[3], double radius_m) {
-  int64_t cube[3];
-  cube_of(space, point_m, cube);
-  *seen_in(space, cube) = (vista_plan_seen){{point_m[0], point_m[1], point_m[2]}, radius_m, space->t_ns};
-}
-
-/* Keeps what was seen of the ball around a place. A larger one that was seen from farther away says more of what is free,
- * and a smaller one may be free where this one is not. */
-static void keep_seen(const vista_plan_space *space, const double point_m[3], double radius_m, bool is_free) {
-  vista_plan_seen *const kept = kept_at(space, point_m);
-  if (is_free && (kept == NULL || kept->radius_m <= radius_m)) keep(space, point_m, radius_m);
-  if (!is_free && kept != NULL && (kept->radius_m >= radius_m || kept->radius_m == 0.0)) kept->t_ns = 0;
-}
-
-void vista_plan_stand(vista_plan_space *space, const double point_m[3]) {
-  if (free_near(space, point_m) == NULL) keep(space, point_m, 0.0);
-}
-
-/* ---- what stands too near to be matched ---- */
-
-/* From here on the full resolution matches. Nearer, a thin thing is seen by no level: a coarse one sees past it. */
-static double matched_from_m(const vista_frame_view *frame) {
-  return frame->camera->focal_px * frame->camera->baseline_m / vista_matched_finest_px(&frame->matched);
-}
-
-static bool is_alive(const vista_plan_space *space, const vista_plan_thing *thing) {
-  return thing->t_ns != 0 && vista_seconds_between(thing->t_ns, space->t_ns) < KEPT_S;
-}
-
-/* Keeps where something is matched: of two points that share a memory the one that is nearer to the vehicle, and the last
- * one of a cube. */
-static void keep_thing(const vista_plan_space *space, const vista_place_evidence *shown) {
-  if (!(shown->disparity_px > 0.0)) return;
-  vista_plan_thing thing = {.t_ns = space->t_ns};
-  int64_t cube[3], others[3];
-  vista_space_map_matched(space->seen.space, shown, thing.point_m);
-  cube_of(space, thing.point_m, cube);
-  vista_plan_thing *const kept = &space->planner->things[hash_of(cube) % VISTA_PLAN_THINGS];
-  cube_of(space, kept->point_m, others);
-  const bool same = memcmp(cube, others, sizeof cube) == 0;
-  const bool nearer = vista_distance(thing.point_m, space->start_m) <= vista_distance(kept->point_m, space->start_m);
-  if (same || nearer || !is_alive(space, kept)) *kept = thing;
-}
-
-/* Whether something stands within so far of a place that is nearer to it than the vehicle is. */
-static bool stands_near(const vista_plan_space *space, const double point_m[3], double within_m) {
-  for (int32_t k = 0; k < VISTA_PLAN_THINGS; ++k) {
-    const vista_plan_thing *const thing = &space->planner->things[k];
-    if (!is_alive(space, thing)) continue;
-    const double apart_m = vista_distance(thing->point_m, point_m);
-    if (apart_m < within_m && apart_m < vista_distance(thing->point_m, space->start_m)) return true;
-  }
-  return false;
-}
-
-/* Lets go of what is seen through from where it would be matched. */
-static void let_go(const vista_plan_space *space, const double point_m[3], double within_m) {
-  for (int32_t k = 0; k < VISTA_PLAN_THINGS; ++k) {
-    vista_plan_thing *const thing = &space->planner->things[k];
-    if (thing->t_ns != 0 && vista_distance(thing->point_m, point_m) < within_m) thing->t_ns = 0;
-  }
-}
-
 /* What stands at a place, or is known of it. */
 static vista_plan_place ask(const vista_plan_space *space, const double point_m[3]) {
   static const vista_plan_place is_free = {.ruling = VISTA_PLAN_CHOSEN};
@@ -217,20 +99,20 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   const bool in_view = frames >= AGREE_FRAMES || (frames > 0 && !free_now); /* or else it has just come into view */
   const bool is_seen_free = in_view && free_now;
   const double range_m = vista_distance(point_m, space->seen.frame->motion.pose.translation_m);
-  const bool is_matched = range_m - place.shown.radius_m > matched_from_m(space->seen.frame);
-  if (in_view && occupied) keep_thing(space, &place.shown);
-  if (in_view && is_matched && is_seen_free) let_go(space, point_m, VISTA_PLACE_RADIUS_SHARE * place.shown.radius_m);
-  const double within_m = in_view ? VISTA_PLACE_RADIUS_SHARE * place.shown.radius_m : ROOM_SHARE * space->radius_m;
-  if (!(in_view && is_matched) && stands_near(space, point_m, within_m)) {
-    if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, .occupied = true};
-    return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = true};
+  const bool is_matched = range_m - place.shown.radius_m > vista_plan_matched_from_m(space->seen.frame);
+  const double room_m = ROOM_SHARE * space->radius_m;
+  const double stands_m = in_view && is_matched ? INFINITY : vista_plan_stands_within(space, point_m, space->radius_m);
+  if (stands_m < space->radius_m) {
+    const bool touches = occupied || stands_m < room_m;
+    if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, .occupied = touches};
+    return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = touches};
   }
-  if (in_view) keep_seen(space, point_m, place.shown.radius_m, is_seen_free);
-  const vista_plan_seen *const seen = in_view ? NULL : free_near(space, point_m);
-  if (is_seen_free || (seen != NULL && seen->radius_m > 0.0 && place.shown.lines == 0)) return is_free;
-  if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, occupied || !in_view, seen != NULL};
+  const bool was_free = !in_view && vista_plan_was_free(space, point_m, room_m);
+  const bool stood = was_free || (!in_view && vista_plan_stood_at(space, point_m));
+  if (is_seen_free || (was_free && place.shown.lines == 0)) return is_free;
+  if (thing != NULL) return (vista_plan_place){VISTA_PLAN_BY_OBSTACLE, thing->id, occupied || !in_view, stood};
   if (occupied) return (vista_plan_place){.ruling = VISTA_PLAN_BY_PLACE, .occupied = true};
-  return (vista_plan_place){.ruling = in_view ? VISTA_PLAN_BY_UNKNOWN : VISTA_PLAN_BY_VIEW, .stood = seen != NULL};
+  return (vista_plan_place){.ruling = in_view ? VISTA_PLAN_BY_UNKNOWN : VISTA_PLAN_BY_VIEW, .stood = stood};
 }
 
 /* Most places are told apart by one coordinate. */

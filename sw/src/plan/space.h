@@ -4,12 +4,11 @@
  * error of the position. What the last frames show of a place is weighed as on the flight path (path_places.h), with the
  * confirmed obstacles that reach into it; and the newest frame that has it in view has to see through it, too. What
  * fewer than four frames have in view has just come into view: it is not free by what they see, but may be known not to
- * be. A place that was seen to be free counts as free for some seconds after it has left the view, as far around it as
- * half the radius of the ball that was seen is left: near the vehicle only a small one fits into the view. So the vehicle
- * can go back where it came from, and turn its camera to other ways. What stands nearer than the radius does not rule out
- * ways on which the vehicle comes no nearer to it. What moves by itself is where it will be at that time. Where something
- * was matched it stands for some seconds, unless it is seen through from where the full resolution would match it: from
- * nearer, a pole is seen past.
+ * be. What is out of view is free if all within half a radius was seen to be free in the last seconds
+ * (plan/surroundings.h). So the vehicle can go back where it came from, and turn its camera to other ways. What is out of
+ * view, or too near to be matched at full resolution, is not free where something was matched nearby: from near only a
+ * small ball fits into the view, and what is beside it has left. What stands nearer than the radius does not rule out ways
+ * on which the vehicle comes no nearer to it. What moves by itself is where it will be at that time.
  *
  * The turn of a fixed wing is wider than the view. What is out of view on it counts as free, and so does what is hidden,
  * from 1.5 s ahead on. If hidden places ruled it out, even those of its first right angle alone, the aircraft would always
@@ -52,12 +51,11 @@ typedef struct vista_plan_space {
   double start_m[3];      /* and where the vehicle is */
   double radius_m; /* of the balls */
   double late_s;   /* from the frame to the state */
+  int32_t standing_count; /* cubes of the surroundings in which something stands, */
+  uint16_t standing[VISTA_PLAN_CUBE_COUNT]; /* and where the planner keeps them */
   int32_t looks;
   vista_plan_looked looked[VISTA_PLAN_LOOKS];
 } vista_plan_space;
-
-/* Keeps where the vehicle is, unless it is known to be free: it stands there. */
-void vista_plan_stand(vista_plan_space *space, const double point_m[3]);
 
 /* What is known of a place, so long after the state. */
 vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s);

@@ -33,10 +33,8 @@ static void to_grid(const vista_planner *p, const double world_m[3], double at[2
   for (int i = 0; i < 2; ++i) at[i] = vista_dot(p->level[i], world_m) / cell_m(p);
 }
 
-static int32_t within_grid(int32_t cell) { return cell % GRID < 0 ? cell % GRID + GRID : cell % GRID; }
-
 /* The memory of a cell: cells that lie a grid apart share it. */
-static int32_t place_of(int32_t x, int32_t y) { return within_grid(x) + GRID * within_grid(y); }
+static int32_t place_of(int32_t x, int32_t y) { return vista_modulo(x, GRID) + GRID * vista_modulo(y, GRID); }
 
 static void mark(vista_planner *p, const double at[2], uint8_t kind, const vista_plan_state *state) {
   const int32_t x = (int32_t)floor(at[0]), y = (int32_t)floor(at[1]);
