@@ -152,7 +152,7 @@ typedef struct vista_plan_cube {
   int64_t t_ns; /* of the last frame that tells of it; 0: none */
 } vista_plan_cube;
 
-/* Where the vehicle was. */
+/* A place where the vehicle was. */
 typedef struct vista_plan_stood {
   double point_m[3];
   int64_t t_ns; /* last; 0: never */
