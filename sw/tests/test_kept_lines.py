@@ -69,6 +69,18 @@ def test_a_place_farther_along_the_line_of_sight_is_told_apart() -> None:
     assert space.look(MIDDLE * 1.02, RADIUS_M).lines == 4
 
 
+def test_a_line_is_in_the_way_of_what_leads_to_it_and_of_nothing_that_leads_away() -> None:
+    """The middle of a ball has to be nearer to it than the camera is."""
+    space, stands = watched(), MIDDLE - np.array([0.0, 0.0, 1.5])
+    space.take(scene(BEHIND, position=stands), 0.5)
+    towards, away = stands + np.array([0.3, 0.0, 0.2]), stands - np.array([0.3, 0.0, 0.2])
+    assert space.look_around(towards, 2.0).lines == 4
+    assert space.look_around(away, 2.0).lines == 0
+    farther = stands - np.array([0.0, 0.0, 2.0])
+    space.take(scene(BEHIND, position=farther), 0.6)
+    assert space.look_around(away, 2.0).lines == 4
+
+
 @pytest.mark.parametrize(("shown", "missed"), [(1, 4), (3, 13), (5, 22), (9, 22)])
 def test_frames_that_should_show_it_and_do_not_let_go_of_it(shown: int, missed: int) -> None:
     """The later, the more have shown it, up to five; one that shows it again is forgiven all."""

@@ -70,16 +70,20 @@ static inline bool is_near(const vista_kept_line *line, const vista_kept_ball *b
   return vista_dot(apart, apart) <= vista_square(reach_m);
 }
 
+/* The point of a line that is nearest to another. */
+static void nearest_to(const vista_kept_line *line, const double point_m[3], double at_m[3]) {
+  double from[3];
+  for (int i = 0; i < 3; ++i) from[i] = point_m[i] - line->from_m[i];
+  const double share = vista_dot(from, line->along_m) / fmax(vista_dot(line->along_m, line->along_m), 1e-9);
+  for (int i = 0; i < 3; ++i) at_m[i] = line->from_m[i] + fmin(fmax(share, 0.0), 1.0) * line->along_m[i];
+}
+
 /* The point of a line nearest to the middle of the ball, if it is in it. */
 static bool meets(const vista_kept_line *line, const vista_kept_ball *ball, double at_m[3]) {
-  double from[3], off[3], sight[3];
+  double off[3], sight[3];
+  nearest_to(line, ball->point_m, at_m);
   for (int i = 0; i < 3; ++i) {
-    from[i] = ball->point_m[i] - line->from_m[i];
     sight[i] = ball->point_m[i] - ball->camera_m[i];
-  }
-  const double share = vista_dot(from, line->along_m) / fmax(vista_dot(line->along_m, line->along_m), 1e-9);
-  for (int i = 0; i < 3; ++i) {
-    at_m[i] = line->from_m[i] + fmin(fmax(share, 0.0), 1.0) * line->along_m[i];
     off[i] = at_m[i] - ball->point_m[i];
   }
   const double along_m = vista_dot(off, sight) / fmax(vista_norm(sight), 1e-9);
@@ -166,6 +170,13 @@ void vista_kept_lines_add(vista_kept_lines *kept, const vista_frame_view *frame,
   for (int32_t k = 0; k < count; ++k) kept->items[kept->count++] = found[k].piece;
 }
 
+/* Whether the middle of the ball, which meets a line there, is nearer to it than the camera is. */
+static bool leads_to(const vista_kept_line *line, const vista_kept_ball *ball, const double met_m[3]) {
+  double at_m[3];
+  nearest_to(line, ball->camera_m, at_m);
+  return vista_distance(met_m, ball->point_m) < vista_distance(at_m, ball->camera_m);
+}
+
 int32_t vista_kept_lines_frames(const vista_kept_lines *kept, const vista_kept_ball *ball, double at_m[3]) {
   int32_t frames = 0;
   int64_t t_ns = 0;
@@ -173,6 +184,7 @@ int32_t vista_kept_lines_frames(const vista_kept_lines *kept, const vista_kept_b
     const vista_kept_line *const line = &kept->items[i];
     double met_m[3];
     if (!is_near(line, ball) || !meets(line, ball, met_m)) continue;
+    if (ball->flown_to && !leads_to(line, ball, met_m)) continue;
     if (frames == 0 || vista_seconds_between(t_ns, line->t_ns) >= VISTA_SPACE_SPACING_S) {
       ++frames;
       t_ns = line->t_ns;

@@ -11,6 +11,7 @@
 #ifndef VISTA_KEPT_LINES_H
 #define VISTA_KEPT_LINES_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "perceive/frame_view.h"
@@ -45,6 +46,7 @@ typedef struct vista_kept_ball {
   double point_m[3], camera_m[3];
   double radius_m; /* across the line of sight */
   double deep_m;   /* along it */
+  bool flown_to;   /* from the camera: a line that this leads away from is not in the way */
 } vista_kept_ball;
 
 /* The number of frames, VISTA_SPACE_SPACING_S or more apart, that saw a line which passes through the ball, give or take

@@ -229,7 +229,7 @@ static void take_lines(const vista_space_map *map, const double point_m[3], doub
   if (map->lines.count == 0) return;
   const vista_evidence *const newest = vista_space_map_frame(map, 0);
   const vista_camera *const camera = &map->camera;
-  vista_kept_ball ball = {.radius_m = radius_m, .deep_m = deep_m};
+  vista_kept_ball ball = {.radius_m = radius_m, .deep_m = deep_m, .flown_to = deep_m > 0.0};
   memcpy(ball.point_m, point_m, sizeof ball.point_m);
   memcpy(ball.camera_m, newest->pose.translation_m, sizeof ball.camera_m);
   const double range_m = vista_distance(point_m, ball.camera_m);
