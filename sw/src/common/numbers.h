@@ -25,10 +25,12 @@ static inline double vista_dot(const double a[3], const double b[3]) { return a[
 
 static inline double vista_norm(const double a[3]) { return sqrt(vista_dot(a, a)); }
 
-static inline double vista_distance(const double a[3], const double b[3]) {
+static inline double vista_distance2(const double a[3], const double b[3]) { /* squared */
   const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  return vista_norm(apart);
+  return vista_dot(apart, apart);
 }
+
+static inline double vista_distance(const double a[3], const double b[3]) { return sqrt(vista_distance2(a, b)); }
 
 static inline void vista_cross(const double a[3], const double b[3], double product[3]) {
   for (int i = 0; i < 3; ++i) product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];

@@ -434,6 +434,7 @@ vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipelin
   w.space.late_s = state->t_ns > seen_ns ? vista_seconds_between(seen_ns, state->t_ns) : 0.0;
   w.aim = vista_plan_aim_at(planner, &from, goal);
   w.arrived = !goal->passed && w.aim.distance_m < (circles(&w) ? ARRIVED_S * goal->speed_m_s : ARRIVED_M);
+  vista_plan_take_obstacles(&w.space);
   vista_plan_take_surroundings(&w.space);
   vista_plan_keep(planner, &w.space, state);
   vista_plan_spread(planner, &from, w.aim.point_m);

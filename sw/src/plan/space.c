@@ -61,27 +61,59 @@ static double apart2_m2(const vista_plan_space *space, const vista_obstacle *o, 
   return x * x + y * y + z * z;
 }
 
+_Static_assert(VISTA_PLAN_THINGS >= VISTA_TRACKER_MAX + VISTA_OBSTACLE_KIND_COUNT, "obstacles of a frame");
+
 static bool moves(const vista_obstacle *o) { return o->world == VISTA_WORLD_MOVES; }
 
-/* The confirmed obstacle that is at a point then; null: none. What moves, or what stands: what is nearer than the radius
- * already is not in the way of getting away from it. */
-static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool moving, const double point_m[3],
-                                         double after_s) {
-  for (int32_t k = 0; k < space->seen.obstacle_count; ++k) {
-    const vista_obstacle *const o = &space->seen.obstacles[k];
-    if (!o->confirmed || o->kind == VISTA_OBSTACLE_PLACE || moves(o) != moving) continue;
+/* Around an obstacle that stands, a ball that holds the board which stands for it. */
+static double reach_m(const vista_plan_space *space, const vista_obstacle *o) {
+  const double *const c = o->covariance_m2, half_m = 0.5 * o->extent_m[0];
+  const double range_m = vista_distance(o->position_m, space->seen.frame->motion.pose.translation_m);
+  const double off_m = vista_path_place_reach_m(space->seen.frame->camera, range_m);
+  const double deep_m = fmax(fmin(SIGMAS * sqrt(fmax(c[0] + c[4] + c[8], 0.0)), off_m), half_m);
+  return sqrt(vista_square(half_m) + vista_square(0.5 * o->extent_m[1]) + vista_square(deep_m));
+}
+
+void vista_plan_take_obstacles(vista_plan_space *space) {
+  space->thing_count = 0;
+  for (int moving = 0; moving < 2; ++moving) {
+    for (int32_t k = 0; k < space->seen.obstacle_count; ++k) {
+      const vista_obstacle *const o = &space->seen.obstacles[k];
+      if (!o->confirmed || o->kind == VISTA_OBSTACLE_PLACE || moves(o) != moving) continue;
+      const double near_m = 1.001 * (reach_m(space, o) + space->radius_m);
+      space->things[space->thing_count++] = (vista_plan_thing){k, (float)vista_square(near_m)};
+    }
+    if (!moving) space->still_count = space->thing_count;
+  }
+}
+
+/* What stands at a point; null: nothing. What is nearer than the radius already is not in the way of getting away from
+ * it. */
+static const vista_obstacle *still_at(const vista_plan_space *space, const double point_m[3]) {
+  for (int32_t k = 0; k < space->still_count; ++k) {
+    const vista_plan_thing *const thing = &space->things[k];
+    const vista_obstacle *const o = &space->seen.obstacles[thing->index];
+    if (!(vista_distance2(o->position_m, point_m) < (double)thing->near_m2)) continue;
+    const double *const at_m = o->position_m;
+    if (!(apart2_m2(space, o, at_m, 0.0, SIGMAS, point_m) < vista_square(space->radius_m))) continue;
+    if (apart2_m2(space, o, at_m, 0.0, 0.0, point_m) < apart2_m2(space, o, at_m, 0.0, 0.0, space->start_m)) return o;
+  }
+  return NULL;
+}
+
+/* What moves and is at a point then; null: nothing. */
+static const vista_obstacle *moving_at(const vista_plan_space *space, const double point_m[3], double after_s) {
+  for (int32_t k = space->still_count; k < space->thing_count; ++k) {
+    const vista_obstacle *const o = &space->seen.obstacles[space->things[k].index];
     double at_m[3], sigma_m = 0.0;
     memcpy(at_m, o->position_m, sizeof at_m);
-    const vista_track *const track = moving ? track_of(space, o) : NULL;
+    const vista_track *const track = track_of(space, o);
     if (track != NULL) {
       const double later_s = after_s + space->late_s, *const c = track->covariance;
       for (int i = 0; i < 3; ++i) at_m[i] += later_s * track->velocity_m_s[i];
       sigma_m = SIGMAS * later_s * sqrt(fmax((c[21] + c[28] + c[35]) / 3.0, 0.0));
     }
-    const double apart_m2 = apart2_m2(space, o, at_m, fmin(sigma_m, WIDEST_M), SIGMAS, point_m);
-    if (!(apart_m2 < vista_square(space->radius_m))) continue;
-    if (moving || apart2_m2(space, o, at_m, 0.0, 0.0, point_m) < apart2_m2(space, o, at_m, 0.0, 0.0, space->start_m))
-      return o;
+    if (apart2_m2(space, o, at_m, fmin(sigma_m, WIDEST_M), SIGMAS, point_m) < vista_square(space->radius_m)) return o;
   }
   return NULL;
 }
@@ -89,7 +121,7 @@ static const vista_obstacle *obstacle_at(const vista_plan_space *space, bool mov
 /* What stands at a place, or is known of it. */
 static vista_plan_place ask(const vista_plan_space *space, const double point_m[3]) {
   static const vista_plan_place is_free = {.ruling = VISTA_PLAN_CHOSEN};
-  const vista_obstacle *const thing = obstacle_at(space, false, point_m, 0.0);
+  const vista_obstacle *const thing = still_at(space, point_m);
   vista_path_place place = {.shown = vista_space_map_look_around(space->seen.space, point_m, space->radius_m)};
   if (thing != NULL && thing->kind == VISTA_OBSTACLE_GROUND) place.ground = true;
   if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = true;
@@ -122,7 +154,7 @@ static bool is_same(const vista_plan_space *space, const double a_m[3], const do
 }
 
 vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s) {
-  const vista_obstacle *const mover = obstacle_at(space, true, point_m, after_s);
+  const vista_obstacle *const mover = moving_at(space, point_m, after_s);
   if (mover != NULL)
     return (vista_plan_place){.ruling = VISTA_PLAN_BY_OBSTACLE, .obstacle_id = mover->id, .occupied = true};
   for (int32_t k = 0; k < space->looks; ++k)

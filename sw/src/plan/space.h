@@ -40,6 +40,14 @@ typedef struct vista_plan_looked {
   vista_plan_place place;
 } vista_plan_looked;
 
+/* A confirmed obstacle that places are held against. */
+typedef struct vista_plan_thing {
+  int32_t index;
+  float near_m2; /* what is farther from it is not at it; squared */
+} vista_plan_thing;
+
+#define VISTA_PLAN_THINGS 4100
+
 /* What is asked in a decision. */
 typedef struct vista_plan_space {
   vista_pipeline_stages seen;
@@ -51,11 +59,16 @@ typedef struct vista_plan_space {
   double start_m[3];      /* and where the vehicle is */
   double radius_m; /* of the balls */
   double late_s;   /* from the frame to the state */
+  int32_t still_count, thing_count; /* what stands, and then what moves */
+  vista_plan_thing things[VISTA_PLAN_THINGS];
   int32_t standing_count; /* cubes of the surroundings in which something stands, */
   uint16_t standing[VISTA_PLAN_CUBE_COUNT]; /* and where the planner keeps them */
   int32_t looks;
   vista_plan_looked looked[VISTA_PLAN_LOOKS];
 } vista_plan_space;
+
+/* Lists the obstacles. */
+void vista_plan_take_obstacles(vista_plan_space *space);
 
 /* What is known of a place, so long after the state. */
 vista_plan_place vista_plan_look(vista_plan_space *space, const double point_m[3], double after_s);

@@ -193,15 +193,18 @@ void vista_plan_take_surroundings(vista_plan_space *space) {
 
 double vista_plan_stands_within(const vista_plan_space *space, const double point_m[3], double within_m) {
   const vista_planner *const p = space->planner;
-  double nearest_m = INFINITY;
+  double nearest2_m2 = vista_square(within_m);
+  bool found = false;
   for (int32_t k = 0; k < space->standing_count; ++k) {
     const vista_plan_cube *const cube = &p->cubes[space->standing[k]];
     double at_m[3];
     for (int i = 0; i < 3; ++i) at_m[i] = cube->at[i] * side_m(p) + (double)cube->from_corner_m[i];
-    const double apart_m = vista_distance(at_m, point_m);
-    if (apart_m < fmin(within_m, nearest_m) && apart_m < vista_distance(at_m, space->start_m)) nearest_m = apart_m;
+    const double apart2_m2 = vista_distance2(at_m, point_m);
+    if (!(apart2_m2 < nearest2_m2) || !(apart2_m2 < vista_distance2(at_m, space->start_m))) continue;
+    nearest2_m2 = apart2_m2;
+    found = true;
   }
-  return nearest_m;
+  return found ? sqrt(nearest2_m2) : INFINITY;
 }
 
 bool vista_plan_was_free(const vista_plan_space *space, const double point_m[3], double within_m) {
@@ -228,8 +231,8 @@ bool vista_plan_was_free(const vista_plan_space *space, const double point_m[3],
 bool vista_plan_stood_at(const vista_plan_space *space, const double point_m[3]) {
   const vista_planner *const p = space->planner;
   for (int32_t k = 0; k < VISTA_PLAN_STOOD; ++k)
-    if (is_kept(p->stood[k].t_ns, space->t_ns) &&
-        vista_distance(p->stood[k].point_m, point_m) <= STOOD_SHARE * p->radius_m)
+    if (vista_distance2(p->stood[k].point_m, point_m) <= vista_square(STOOD_SHARE * p->radius_m) &&
+        is_kept(p->stood[k].t_ns, space->t_ns))
       return true;
   return false;
 }
