@@ -221,6 +221,38 @@ def test_out_of_view_a_place_is_free_if_two_frames_saw_through_all_of_what_is_ne
     assert free_after(1, points) == [False, False, False]
 
 
+def test_a_place_out_of_view_needs_more_room_by_what_the_vehicle_is_off_its_trajectory() -> None:
+    kept = Surroundings()
+    for k in range(3):
+        kept.take([], (0.0, 0.0, 0.0), 1.0 + 0.1 * k)
+    free = []
+    for off_m in (0.0, 0.3, 0.9):
+        kept.ask_at((0.0, 0.0, 7.0), 2.0)
+        kept.asked.off_m = off_m
+        free.append([kept.is_free((x_m, 0.0, 5.0)) for x_m in (1.1, 1.8, 2.2)])
+    assert free == [[True, True, True], [True, False, False], [False, False, False]]
+
+
+def test_a_vehicle_that_is_off_its_trajectory_finds_fewer_ways_to_what_is_out_of_view() -> None:
+    flight = Flight([], goal_of((0.0, 0.0, 7.0)))
+    for _ in range(60):
+        flight.step()
+    before, by_view = bytes(ffi.buffer(flight.planner.handle)), []
+    for off_m in (0.0, 0.45):
+        ffi.buffer(flight.planner.handle)[:] = before
+        state = state_of(
+            flight.position_m + off_m * AHEAD,
+            flight.velocity,
+            flight.t_s,
+            flight.heading,
+            acceleration_m_s2=flight.acceleration.tolist(),
+        )
+        aside = (5.0, 0.0, flight.position_m[2] - 3.0)
+        decision = flight.planner.decide(flight.space, state, goal_of(aside))
+        by_view.append(sum(option.ruling == "by_view" for option in decision.options))
+    assert by_view[0] == 0 and by_view[1] > 5
+
+
 def test_what_is_too_near_to_be_matched_was_free_only_if_something_was_matched_behind_it() -> None:
     """The full resolution matches from 1.9 m on. Of the sky behind the nearer place nothing is matched."""
     points, wall = [(0.0, 0.0, 1.85), (0.0, 0.0, 4.0)], [Wall(9.0)]

@@ -430,6 +430,7 @@ vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipelin
   w.space.t_ns = state->t_ns;
   memcpy(w.space.start_m, state->position_m, sizeof w.space.start_m);
   w.space.radius_m = planner->radius_m + SIGMAS * state->position_sigma_m;
+  w.space.off_m = vista_distance(state->position_m, from.position_m);
   const int64_t seen_ns = seen->frame->t_ns;
   w.space.late_s = state->t_ns > seen_ns ? vista_seconds_between(seen_ns, state->t_ns) : 0.0;
   w.aim = vista_plan_aim_at(planner, &from, goal);

@@ -11,8 +11,8 @@
 #include "space/space_map.h"
 
 #define AGREE_FRAMES 4 /* that have a place in view before it is free by what they see */
-/* Of the radius: how far around a place out of view all has to be known to be free. What stands that near is in the way
- * of an escape, too. */
+/* Of the radius: how far around a place out of view all has to be known to be free, and farther by what the vehicle is off
+ * its trajectory. What stands that near is in the way of an escape, too. */
 #define ROOM_SHARE 0.5
 #define APART_SHARE 0.75 /* of the radius, from a place to the next */
 #define SAME_SHARE 0.15 /* of the radius: a place so near to one that was asked for is the same */
@@ -132,7 +132,7 @@ static vista_plan_place ask(const vista_plan_space *space, const double point_m[
   const bool is_seen_free = in_view && free_now;
   const double range_m = vista_distance(point_m, space->seen.frame->motion.pose.translation_m);
   const bool is_matched = range_m - place.shown.radius_m > vista_plan_matched_from_m(space->seen.frame);
-  const double room_m = ROOM_SHARE * space->radius_m;
+  const double room_m = ROOM_SHARE * space->radius_m + space->off_m;
   const double stands_m = in_view && is_matched ? INFINITY : vista_plan_stands_within(space, point_m, space->radius_m);
   if (stands_m < space->radius_m) {
     const bool touches = occupied || stands_m < room_m;

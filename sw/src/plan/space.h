@@ -58,6 +58,7 @@ typedef struct vista_plan_space {
   int64_t t_ns;           /* of the state, */
   double start_m[3];      /* and where the vehicle is */
   double radius_m; /* of the balls */
+  double off_m;    /* from the vehicle to where its trajectories begin */
   double late_s;   /* from the frame to the state */
   int32_t still_count, thing_count; /* what stands, and then what moves */
   vista_plan_thing things[VISTA_PLAN_THINGS];
