@@ -116,8 +116,9 @@ class Space:
     def look(self, point, radius_m: float = RADIUS_M):
         return lib.vista_space_map_look(self.handle, [float(x) for x in point], radius_m)
 
-    def look_around(self, point, radius_m: float = RADIUS_M):
-        return lib.vista_space_map_look_around(self.handle, [float(x) for x in point], radius_m)
+    def look_around(self, point, radius_m: float = RADIUS_M, start=(0.0, 0.0, 0.0)):
+        point, start = ([float(x) for x in place] for place in (point, start))
+        return lib.vista_space_map_look_around(self.handle, point, radius_m, start)
 
     def reset(self) -> None:
         lib.vista_space_map_reset(self.handle)

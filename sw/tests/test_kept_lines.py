@@ -70,15 +70,16 @@ def test_a_place_farther_along_the_line_of_sight_is_told_apart() -> None:
 
 
 def test_a_line_is_in_the_way_of_what_leads_to_it_and_of_nothing_that_leads_away() -> None:
-    """The middle of a ball has to be nearer to it than the camera is."""
-    space, stands = watched(), MIDDLE - np.array([0.0, 0.0, 1.5])
+    """A place behind it is reached through it, and from farther away every place is before it."""
+    space, stands = watched(), MIDDLE - np.array([0.0, 0.0, 0.5])
     space.take(scene(BEHIND, position=stands), 0.5)
-    towards, away = stands + np.array([0.3, 0.0, 0.2]), stands - np.array([0.3, 0.0, 0.2])
-    assert space.look_around(towards, 2.0).lines == 4
-    assert space.look_around(away, 2.0).lines == 0
-    farther = stands - np.array([0.0, 0.0, 2.0])
-    space.take(scene(BEHIND, position=farther), 0.6)
-    assert space.look_around(away, 2.0).lines == 4
+    towards, behind, away = (
+        stands + np.array([x, 0.0, z]) for x, z in ((0.3, 0.2), (0.0, 1.1), (-0.3, -0.2))
+    )
+    assert space.look_around(towards, 1.5, stands).lines == 4
+    assert space.look_around(behind, 1.5, stands).lines == 4
+    assert space.look_around(away, 1.5, stands).lines == 0
+    assert space.look_around(away, 1.5, stands - np.array([0.0, 0.0, 2.0])).lines == 4
 
 
 @pytest.mark.parametrize(("shown", "missed"), [(1, 4), (3, 13), (5, 22), (9, 22)])

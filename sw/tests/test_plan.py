@@ -273,8 +273,12 @@ def test_what_was_seen_to_stand_is_not_seen_through_from_where_it_is_too_near_to
 
 
 def test_what_is_too_near_is_not_in_the_way_of_getting_away_from_it() -> None:
-    """The vehicle flies on beside it, and not straight on before it."""
-    for position, passes in (([-0.5, 0.0, 0.3], True), ([0.0, 0.0, 0.8], False)):
+    """The vehicle flies on beside it, and not straight through it."""
+    for position, passes in (
+        ([-0.5, 0.0, 0.15], True),
+        ([0.0, 0.0, 0.8], False),
+        ([0.0, 0.0, 0.3], False),  # nearer than half way to the first place ahead
+    ):
         thing = {
             "id": 7,
             "confirmed": True,

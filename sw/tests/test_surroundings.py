@@ -62,6 +62,7 @@ def test_what_the_vehicle_gets_away_from_is_not_in_its_way() -> None:
     for k in range(18):
         kept.take(wall, (0.0, 0.0, 0.25 * k), 1.0 + 0.1 * k)
     assert kept.stands_near((0.0, 0.0, 4.4), 1.5)
+    assert kept.stands_near((0.0, 0.0, 6.0), 1.5)  # straight through it
     assert not kept.stands_near((0.0, 0.0, 4.0), 1.5)
 
 

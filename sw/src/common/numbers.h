@@ -30,6 +30,10 @@ static inline double vista_distance2(const double a[3], const double b[3]) { /* 
   return vista_dot(apart, apart);
 }
 
+static inline void vista_middle(const double a[3], const double b[3], double middle[3]) {
+  for (int i = 0; i < 3; ++i) middle[i] = 0.5 * (a[i] + b[i]);
+}
+
 static inline double vista_distance(const double a[3], const double b[3]) { return sqrt(vista_distance2(a, b)); }
 
 static inline void vista_cross(const double a[3], const double b[3], double product[3]) {

@@ -80,23 +80,26 @@ void vista_plan_take_obstacles(vista_plan_space *space) {
     for (int32_t k = 0; k < space->seen.obstacle_count; ++k) {
       const vista_obstacle *const o = &space->seen.obstacles[k];
       if (!o->confirmed || o->kind == VISTA_OBSTACLE_PLACE || moves(o) != moving) continue;
-      const double near_m = 1.001 * (reach_m(space, o) + space->radius_m);
-      space->things[space->thing_count++] = (vista_plan_thing){k, (float)vista_square(near_m)};
+      vista_plan_thing *const thing = &space->things[space->thing_count++];
+      *thing = (vista_plan_thing){.index = k};
+      if (moving) continue;
+      thing->near_m2 = (float)vista_square(1.001 * (reach_m(space, o) + space->radius_m));
+      thing->start2_m2 = apart2_m2(space, o, o->position_m, 0.0, 0.0, space->start_m);
     }
     if (!moving) space->still_count = space->thing_count;
   }
 }
 
-/* What stands at a point; null: nothing. What is nearer than the radius already is not in the way of getting away from
- * it. */
+/* What stands at a point; null: nothing. */
 static const vista_obstacle *still_at(const vista_plan_space *space, const double point_m[3]) {
+  double middle_m[3];
+  vista_middle(space->start_m, point_m, middle_m);
   for (int32_t k = 0; k < space->still_count; ++k) {
     const vista_plan_thing *const thing = &space->things[k];
     const vista_obstacle *const o = &space->seen.obstacles[thing->index];
     if (!(vista_distance2(o->position_m, point_m) < (double)thing->near_m2)) continue;
-    const double *const at_m = o->position_m;
-    if (!(apart2_m2(space, o, at_m, 0.0, SIGMAS, point_m) < vista_square(space->radius_m))) continue;
-    if (apart2_m2(space, o, at_m, 0.0, 0.0, point_m) < apart2_m2(space, o, at_m, 0.0, 0.0, space->start_m)) return o;
+    if (!(apart2_m2(space, o, o->position_m, 0.0, SIGMAS, point_m) < vista_square(space->radius_m))) continue;
+    if (apart2_m2(space, o, o->position_m, 0.0, 0.0, middle_m) < thing->start2_m2) return o;
   }
   return NULL;
 }
@@ -122,7 +125,8 @@ static const vista_obstacle *moving_at(const vista_plan_space *space, const doub
 static vista_plan_place ask(const vista_plan_space *space, const double point_m[3]) {
   static const vista_plan_place is_free = {.ruling = VISTA_PLAN_CHOSEN};
   const vista_obstacle *const thing = still_at(space, point_m);
-  vista_path_place place = {.shown = vista_space_map_look_around(space->seen.space, point_m, space->radius_m)};
+  vista_path_place place = {
+      .shown = vista_space_map_look_around(space->seen.space, point_m, space->radius_m, space->start_m)};
   if (thing != NULL && thing->kind == VISTA_OBSTACLE_GROUND) place.ground = true;
   if (thing != NULL && thing->kind != VISTA_OBSTACLE_GROUND) place.thing = true;
   place.probability = vista_path_place_probability(&place);

@@ -7,8 +7,9 @@
  * be. What is out of view is free if all within half a radius was seen to be free in the last seconds
  * (plan/surroundings.h). So the vehicle can go back where it came from, and turn its camera to other ways. What is out of
  * view, or too near to be matched at full resolution, is not free where something was matched nearby: from near only a
- * small ball fits into the view, and what is beside it has left. What stands nearer than the radius does not rule out ways
- * on which the vehicle comes no nearer to it. What moves by itself is where it will be at that time.
+ * small ball fits into the view, and what is beside it has left. What stands is in the way of a place only if the middle of
+ * the straight way there is nearer to it than the vehicle is: so the vehicle gets away from what is nearer than the radius,
+ * and not through it. What moves by itself is where it will be at that time.
  *
  * The turn of a fixed wing is wider than the view. What is out of view on it counts as free, and so does what is hidden,
  * from 1.5 s ahead on. If hidden places ruled it out, even those of its first right angle alone, the aircraft would always
@@ -43,7 +44,8 @@ typedef struct vista_plan_looked {
 /* A confirmed obstacle that places are held against. */
 typedef struct vista_plan_thing {
   int32_t index;
-  float near_m2; /* what is farther from it is not at it; squared */
+  float near_m2; /* if it stands: what is farther from it is not at it; squared, */
+  double start2_m2; /* and how far the vehicle is from it */
 } vista_plan_thing;
 
 #define VISTA_PLAN_THINGS 4100

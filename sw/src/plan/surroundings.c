@@ -193,14 +193,16 @@ void vista_plan_take_surroundings(vista_plan_space *space) {
 
 double vista_plan_stands_within(const vista_plan_space *space, const double point_m[3], double within_m) {
   const vista_planner *const p = space->planner;
-  double nearest2_m2 = vista_square(within_m);
+  double nearest2_m2 = vista_square(within_m), middle_m[3];
   bool found = false;
+  vista_middle(space->start_m, point_m, middle_m);
   for (int32_t k = 0; k < space->standing_count; ++k) {
     const vista_plan_cube *const cube = &p->cubes[space->standing[k]];
     double at_m[3];
     for (int i = 0; i < 3; ++i) at_m[i] = cube->at[i] * side_m(p) + (double)cube->from_corner_m[i];
     const double apart2_m2 = vista_distance2(at_m, point_m);
-    if (!(apart2_m2 < nearest2_m2) || !(apart2_m2 < vista_distance2(at_m, space->start_m))) continue;
+    if (!(apart2_m2 < nearest2_m2) || !(vista_distance2(at_m, middle_m) < vista_distance2(at_m, space->start_m)))
+      continue;
     nearest2_m2 = apart2_m2;
     found = true;
   }

@@ -17,7 +17,8 @@ double vista_plan_matched_from_m(const vista_frame_view *frame);
 /* Takes the newest frame of the map, once, and that the vehicle stands where it is; and lists what stands by now. */
 void vista_plan_take_surroundings(vista_plan_space *space);
 
-/* How far from a place something stands that is nearer to it than the vehicle is, within so far; INFINITY: nothing. */
+/* How far from a place something stands that the middle of the straight way there is nearer to than the vehicle is, within
+ * so far; INFINITY: nothing. */
 double vista_plan_stands_within(const vista_plan_space *space, const double point_m[3], double within_m);
 
 /* Whether all that is so near to a place was seen to be free. */

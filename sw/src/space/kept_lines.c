@@ -170,11 +170,14 @@ void vista_kept_lines_add(vista_kept_lines *kept, const vista_frame_view *frame,
   for (int32_t k = 0; k < count; ++k) kept->items[kept->count++] = found[k].piece;
 }
 
-/* Whether the middle of the ball, which meets a line there, is nearer to it than the camera is. */
-static bool leads_to(const vista_kept_line *line, const vista_kept_ball *ball, const double met_m[3]) {
-  double at_m[3];
-  nearest_to(line, ball->camera_m, at_m);
-  return vista_distance(met_m, ball->point_m) < vista_distance(at_m, ball->camera_m);
+/* Whether the line is in the way of what flies to the ball. */
+static bool is_flown_to(const vista_kept_line *line, const vista_kept_ball *ball) {
+  if (ball->from_m == NULL) return true;
+  double middle_m[3], of_middle_m[3], of_start_m[3];
+  vista_middle(ball->from_m, ball->point_m, middle_m);
+  nearest_to(line, middle_m, of_middle_m);
+  nearest_to(line, ball->from_m, of_start_m);
+  return vista_distance2(of_middle_m, middle_m) < vista_distance2(of_start_m, ball->from_m);
 }
 
 int32_t vista_kept_lines_frames(const vista_kept_lines *kept, const vista_kept_ball *ball, double at_m[3]) {
@@ -183,8 +186,7 @@ int32_t vista_kept_lines_frames(const vista_kept_lines *kept, const vista_kept_b
   for (int32_t i = 0; i < kept->count; ++i) {
     const vista_kept_line *const line = &kept->items[i];
     double met_m[3];
-    if (!is_near(line, ball) || !meets(line, ball, met_m)) continue;
-    if (ball->flown_to && !leads_to(line, ball, met_m)) continue;
+    if (!is_near(line, ball) || !meets(line, ball, met_m) || !is_flown_to(line, ball)) continue;
     if (frames == 0 || vista_seconds_between(t_ns, line->t_ns) >= VISTA_SPACE_SPACING_S) {
       ++frames;
       t_ns = line->t_ns;

@@ -46,7 +46,7 @@ typedef struct vista_kept_ball {
   double point_m[3], camera_m[3];
   double radius_m; /* across the line of sight */
   double deep_m;   /* along it */
-  bool flown_to;   /* from the camera: a line that this leads away from is not in the way */
+  const double *from_m; /* it is flown to from here: lines that half the way comes no nearer to do not count; or null */
 } vista_kept_ball;
 
 /* The number of frames, VISTA_SPACE_SPACING_S or more apart, that saw a line which passes through the ball, give or take

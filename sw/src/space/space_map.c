@@ -223,17 +223,18 @@ static void take_looks(vista_place_evidence *found, const vista_evidence *e, con
   found->beyond += (beyond - found->beyond) / found->frames;
 }
 
-/* Adds the thin things that pass through a place. deep_m: of it; 0: as deep as the map can tell. */
-static void take_lines(const vista_space_map *map, const double point_m[3], double radius_m, double deep_m,
+/* Adds the thin things that pass through a place. from_m: where it is flown to from, which makes it as deep as it is wide;
+ * null: it is as deep as the map can tell. */
+static void take_lines(const vista_space_map *map, const double point_m[3], double radius_m, const double *from_m,
                        vista_place_evidence *found) {
   if (map->lines.count == 0) return;
   const vista_evidence *const newest = vista_space_map_frame(map, 0);
   const vista_camera *const camera = &map->camera;
-  vista_kept_ball ball = {.radius_m = radius_m, .deep_m = deep_m, .flown_to = deep_m > 0.0};
+  vista_kept_ball ball = {.radius_m = radius_m, .deep_m = radius_m, .from_m = from_m};
   memcpy(ball.point_m, point_m, sizeof ball.point_m);
   memcpy(ball.camera_m, newest->pose.translation_m, sizeof ball.camera_m);
   const double range_m = vista_distance(point_m, ball.camera_m);
-  if (!(deep_m > 0.0))
+  if (from_m == NULL)
     ball.deep_m = range_m * fmax(VISTA_SIGHT_TOLERANCE_SHARE,
                                  VISTA_SIGHT_TOLERANCE_PX * range_m / (camera->focal_px * camera->baseline_m));
   double at_m[3], camera_m[3], at_px[3];
@@ -248,7 +249,9 @@ static void take_lines(const vista_space_map *map, const double point_m[3], doub
   found->age = 0;
 }
 
-static vista_place_evidence look(const vista_space_map *map, const double point_m[3], double radius_m, double deep_m) {
+static vista_place_evidence look(const vista_space_map *map, const double point_m[3], double radius_m,
+                                 const double *from_m) {
+  const double deep_m = from_m == NULL ? 0.0 : radius_m;
   vista_place_evidence found = {0};
   for (int32_t age = 0; age < map->count; ++age) {
     const vista_evidence *const e = vista_space_map_frame(map, age);
@@ -256,16 +259,17 @@ static vista_place_evidence look(const vista_space_map *map, const double point_
     if (l.all >= IN_VIEW_MIN && l.all >= (deep_m > 0.0 ? BALL_VIEW_SHARE : IN_VIEW_SHARE) * l.asked)
       take_looks(&found, e, &l, age);
   }
-  take_lines(map, point_m, radius_m, deep_m, &found);
+  take_lines(map, point_m, radius_m, from_m, &found);
   return found;
 }
 
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m) {
-  return look(map, point_m, radius_m, 0.0);
+  return look(map, point_m, radius_m, NULL);
 }
 
-vista_place_evidence vista_space_map_look_around(const vista_space_map *map, const double point_m[3], double radius_m) {
-  return look(map, point_m, radius_m, radius_m);
+vista_place_evidence vista_space_map_look_around(const vista_space_map *map, const double point_m[3], double radius_m,
+                                                 const double from_m[3]) {
+  return look(map, point_m, radius_m, from_m);
 }
 
 vista_place_evidence vista_space_map_look_upright(const vista_space_map *map, const vista_upright *line,
@@ -279,7 +283,7 @@ vista_place_evidence vista_space_map_look_upright(const vista_space_map *map, co
     else if (age == 0)
       return found;
   }
-  take_lines(map, line->middle_m, line->half_m, 0.0, &found);
+  take_lines(map, line->middle_m, line->half_m, NULL, &found);
   return found;
 }
 

@@ -56,9 +56,10 @@ void vista_space_map_add(vista_space_map *map, const vista_frame_view *frame, co
 /* What is known of the disc of this radius around a point of the world, as deep as the map can tell. */
 vista_place_evidence vista_space_map_look(const vista_space_map *map, const double point_m[3], double radius_m);
 
-/* What is known of the ball of this radius, all of its depth. A frame that it does not fit into the view of tells of as
- * much as does. */
-vista_place_evidence vista_space_map_look_around(const vista_space_map *map, const double point_m[3], double radius_m);
+/* What is known of the ball of this radius, all of its depth, for whoever flies to it from a point: lines that the
+ * middle of the way is no nearer to do not count. A frame that it does not fit into the view of tells of as much as does. */
+vista_place_evidence vista_space_map_look_around(const vista_space_map *map, const double point_m[3], double radius_m,
+                                                 const double from_m[3]);
 
 /* An upright line in the world: what is flown along needs so much height. */
 typedef struct vista_upright {
