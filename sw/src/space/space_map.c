@@ -14,7 +14,6 @@
 #define UPRIGHT_MIN 5.0  /* lines of sight to an upright line, at least, */
 #define UPRIGHT_MAX 12.0 /* and at most in view */
 #define UPRIGHT_MOST 48.0
-#define ROWS_AHEAD 2.0   /* of a disc, by which its lines of sight are fetched before they are asked for */
 #define FRACTION_BITS 16 /* of a pixel of the picture */
 #define FRACTIONS 65536.0
 #define IN_VIEW_MIN 12   /* lines of sight that a frame needs to tell of a place, */
@@ -94,33 +93,46 @@ static range range_at(double wanted_px) {
 
 static inline void look_at(const vista_evidence *e, range at, int32_t column, int32_t row, looks *l) {
   const ptrdiff_t i = (ptrdiff_t)row * e->width + column;
-  if (e->kind[i] == VISTA_SIGHT_OUTSIDE) return;
-  ++l->all;
-  l->overhung += e->kind[i] == VISTA_SIGHT_OVERHANG;
+  const uint8_t kind = e->kind[i];
   const vista_sight_says says = vista_evidence_says(e, i, at.farthest, at.nearest);
-  if (says == VISTA_SIGHT_GOES_ON)
-    ++l->beyond;
-  else if (says == VISTA_SIGHT_ENDS)
+  l->all += kind != VISTA_SIGHT_OUTSIDE;
+  l->overhung += kind == VISTA_SIGHT_OVERHANG;
+  l->beyond += says == VISTA_SIGHT_GOES_ON;
+  if (says == VISTA_SIGHT_ENDS)
     add_match(&l->at, column, row, e->word[i]);
   else if (says == VISTA_SIGHT_AT_FOOT)
     add_match(&l->feet, column, row, e->word[i]);
 }
 
-/* Fetches what lines of sight from this one on are going to be asked for: no processor foresees where a disc goes on. */
-static inline void fetch(const vista_evidence *e, int32_t column, int32_t row) {
-  const ptrdiff_t i = (ptrdiff_t)row * e->width + column, words_fetched = 32;
-  __builtin_prefetch(e->kind + i);
-  __builtin_prefetch(e->word + i);
-  if (column + words_fetched < e->width) __builtin_prefetch(e->word + i + words_fetched);
+/* Where lines of sight to a disc pass the picture, along one of its axes: the middles of as many equal parts. */
+typedef struct axis {
+  int32_t count, first, beyond; /* those from `first` on and before `beyond` pass it */
+  int32_t at[SAMPLES];
+} axis;
+
+static axis axis_of(double middle, double reach, double step, int32_t size) {
+  axis a = {0};
+  const double least = middle - reach + 0.5 * step;
+  for (double at = least; at < middle + reach && a.count < SAMPLES; at = least + a.count * step) {
+    a.first += at < -0.5;
+    a.beyond += at < size - 0.5;
+    a.at[a.count++] = (int32_t)(at + 0.5);
+  }
+  return a;
 }
 
-/* The disc of a place in the picture of a frame. */
-typedef struct disc {
-  double u, v, reach, step;
-} disc;
+/* The lines of sight of a row that lead to the disc: from `first` on and before `beyond`. */
+typedef struct span {
+  int32_t first, beyond;
+} span;
 
-/* Steps from `first` on to the first one that is at least at `least`. */
-static inline double steps_to(double first, double step, double least) { return ceil((least - first) / step); }
+/* reach: of the disc, in steps; count: lines of sight across it. */
+static void take_spans(double reach, int32_t count, span spans[SAMPLES]) {
+  for (int32_t k = 0; k < count; ++k) {
+    const double half = sqrt(fmax(vista_square(reach) - vista_square(k + 0.5 - reach), 0.0));
+    spans[k] = (span){(int32_t)ceil(reach - half - 0.5), (int32_t)ceil(reach + half - 0.5)};
+  }
+}
 
 /* The words that are no farther from a depth than that, both included. */
 static range range_around(const vista_camera *camera, double depth_m, double deep_m) {
@@ -132,8 +144,9 @@ static range range_around(const vista_camera *camera, double depth_m, double dee
   return at;
 }
 
+/* wide: the spans of a disc that more than `samples` lines of sight would lead to. */
 static looks look_through(const vista_evidence *e, const vista_camera *camera, const double point_m[3], double radius_m,
-                          double deep_m) {
+                          double deep_m, int32_t samples, const span wide[SAMPLES]) {
   looks l = {0};
   double c[3];
   vista_frame_to_camera(&e->pose, point_m, c);
@@ -141,25 +154,22 @@ static looks look_through(const vista_evidence *e, const vista_camera *camera, c
   l.radius_m = radius_m;
   if (!(c[2] > radius_m)) return l; /* the camera is in it, or beyond it */
   const double scale = camera->focal_px / c[2];
-  disc d = {.u = (camera->center_u_px + scale * c[0]) / e->step_px,
-            .v = (camera->center_v_px + scale * c[1]) / e->step_px,
-            .reach = scale * radius_m / e->step_px};
-  d.step = fmax(1.0, 2.0 * d.reach / (deep_m > 0.0 ? BALL_SAMPLES : SAMPLES));
+  const double u = (camera->center_u_px + scale * c[0]) / e->step_px;
+  const double v = (camera->center_v_px + scale * c[1]) / e->step_px, reach = scale * radius_m / e->step_px;
+  if (!(u + reach >= 0.0 && u - reach < e->width && v + reach >= 0.0 && v - reach < e->height)) return l;
+  const bool is_wide = 2.0 * reach > samples;
+  const double step = is_wide ? 2.0 * reach / samples : 1.0;
+  const axis columns = axis_of(u, reach, step, e->width), rows = axis_of(v, reach, step, e->height);
   const range at = range_around(camera, c[2], deep_m);
-  if (!(d.u + d.reach >= 0.0 && d.u - d.reach < e->width && d.v + d.reach >= 0.0 && d.v - d.reach < e->height))
-    return l;
-  const double top = d.v - d.reach + 0.5 * d.step, left = d.u - d.reach + 0.5 * d.step;
-  const double least = steps_to(left, d.step, -0.5), most = steps_to(left, d.step, e->width - 0.5); /* in the picture */
-  for (double y = top; y < d.v + d.reach; y += d.step) {
-    const double half = sqrt(fmax(vista_square(d.reach) - vista_square(y - d.v), 0.0));
-    const double first = steps_to(left, d.step, d.u - half), beyond = steps_to(left, d.step, d.u + half);
-    l.asked += (int32_t)(beyond - first);
-    if (!(y > -0.5 && y < e->height - 0.5)) continue;
-    const int32_t row = (int32_t)(y + 0.5);
-    const double from = first > least ? first : least, to = beyond < most ? beyond : most;
-    const double below = y + ROWS_AHEAD * d.step + 0.5;
-    if (from < to && below < e->height) fetch(e, (int32_t)(left + from * d.step + 0.5), (int32_t)below);
-    for (double k = from; k < to; ++k) look_at(e, at, (int32_t)(left + k * d.step + 0.5), row, &l);
+  span narrow[SAMPLES];
+  if (!is_wide) take_spans(reach, rows.count, narrow);
+  const span *const spans = is_wide ? wide : narrow;
+  for (int32_t y = 0; y < rows.count; ++y) {
+    l.asked += spans[y].beyond - spans[y].first;
+    if (y < rows.first || y >= rows.beyond) continue;
+    const int32_t from = spans[y].first > columns.first ? spans[y].first : columns.first;
+    const int32_t to = spans[y].beyond < columns.beyond ? spans[y].beyond : columns.beyond;
+    for (int32_t x = from; x < to; ++x) look_at(e, at, columns.at[x], rows.at[y], &l);
   }
   return l;
 }
@@ -252,10 +262,13 @@ static void take_lines(const vista_space_map *map, const double point_m[3], doub
 static vista_place_evidence look(const vista_space_map *map, const double point_m[3], double radius_m,
                                  const double *from_m) {
   const double deep_m = from_m == NULL ? 0.0 : radius_m;
+  const int32_t samples = from_m == NULL ? SAMPLES : BALL_SAMPLES;
+  span wide[SAMPLES];
+  take_spans(0.5 * samples, samples, wide);
   vista_place_evidence found = {0};
   for (int32_t age = 0; age < map->count; ++age) {
     const vista_evidence *const e = vista_space_map_frame(map, age);
-    const looks l = look_through(e, &map->camera, point_m, radius_m, deep_m);
+    const looks l = look_through(e, &map->camera, point_m, radius_m, deep_m, samples, wide);
     if (l.all >= IN_VIEW_MIN && l.all >= (deep_m > 0.0 ? BALL_VIEW_SHARE : IN_VIEW_SHARE) * l.asked)
       take_looks(&found, e, &l, age);
   }
