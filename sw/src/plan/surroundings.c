@@ -17,9 +17,9 @@ _Static_assert(GRID * GRID * GRID == VISTA_PLAN_CUBE_COUNT, "the cubes of the gr
 #define STAND_FRAMES 3 /* that agree on that, */
 #define FREE_FRAMES 2  /* or that it is free */
 #define THROUGH_MIN 7 /* of nine lines of sight that lead to a cube, to see through it */
+#define SIDES 5 /* of the view of a camera */
 #define STOOD_SHARE 0.25 /* of the radius, around where the vehicle was, */
 #define STOOD_APART_SHARE 0.1 /* and from one such place to the next */
-#define WIDEST 2.0 /* tangent: what is farther aside is in no view */
 
 double vista_plan_matched_from_m(const vista_frame_view *frame) {
   return frame->camera->focal_px * frame->camera->baseline_m / vista_matched_finest_px(&frame->matched);
@@ -135,28 +135,64 @@ static void take_cube(vista_planner *p, const sight *s, const int32_t at[3], con
   }
 }
 
+/* The view of a camera as half-spaces: some of a cube is in view only if the product of each with its middle, as
+ * (x, y, z, 1) in the camera, is positive. */
+static void take_view(const sight *s, double sides[SIDES][4]) {
+  const vista_camera *const camera = s->camera;
+  const double right = (camera->width_px - camera->center_u_px) / camera->focal_px;
+  const double left = (camera->center_u_px + 1.0) / camera->focal_px;
+  const double down = (camera->height_px - camera->center_v_px) / camera->focal_px;
+  const double up = (camera->center_v_px + 1.0) / camera->focal_px;
+  const double found[SIDES][4] = {{0.0, 0.0, 1.0, -s->side_m},
+                                  {-1.0, 0.0, right, 0.0},
+                                  {1.0, 0.0, left, 0.0},
+                                  {0.0, -1.0, down, 0.0},
+                                  {0.0, 1.0, up, 0.0}};
+  memcpy(sides, found, sizeof found);
+  for (int k = 1; k < SIDES; ++k) sides[k][3] = 0.5 * VISTA_SQRT_3 * s->side_m * vista_norm(sides[k]);
+}
+
+/* The cubes of a row of the grid that are in view, give or take one: from *first on and before *beyond. */
+static void clip(const double sides[SIDES][4], const double middle[3], const double step[3], int32_t *first,
+                 int32_t *beyond) {
+  double low = 0.0, high = GRID;
+  for (int k = 0; k < SIDES; ++k) {
+    const double at = vista_dot(sides[k], middle) + sides[k][3], more = vista_dot(sides[k], step);
+    const double crossed = -at / more;
+    if (more > 0.0 && crossed > low) low = crossed;
+    if (more < 0.0 && crossed + 1.0 < high) high = crossed + 1.0;
+    if (more == 0.0 && !(at > 0.0)) high = 0.0;
+  }
+  *first = low < high ? (int32_t)low : GRID;
+  *beyond = low < high ? (int32_t)high : GRID;
+}
+
 static void take_frame(const vista_plan_space *space, const vista_evidence *e) {
   vista_planner *const p = space->planner;
   sight s = {e, space->seen.frame->camera, side_m(p), vista_plan_matched_from_m(space->seen.frame), {0}};
-  double middle_m[3], corner[3];
+  double middle_m[3], corner[3], sides[SIDES][4];
   cube_of(p, space->start_m, s.first);
   for (int i = 0; i < 3; ++i) {
     s.first[i] -= GRID / 2;
     middle_m[i] = (s.first[i] + 0.5) * s.side_m;
   }
   match(p, &s);
+  take_view(&s, sides);
   vista_frame_to_camera(&e->pose, middle_m, corner);
   const double *const r = e->pose.rotation;
-  int32_t k[3];
-  for (k[0] = 0; k[0] < GRID; ++k[0])
-    for (k[1] = 0; k[1] < GRID; ++k[1])
-      for (k[2] = 0; k[2] < GRID; ++k[2]) {
-        double c[3];
-        for (int i = 0; i < 3; ++i) c[i] = corner[i] + s.side_m * (k[0] * r[i] + k[1] * r[3 + i] + k[2] * r[6 + i]);
-        if (!(c[2] > s.side_m) || fabs(c[0]) > WIDEST * c[2] || fabs(c[1]) > WIDEST * c[2]) continue;
-        const int32_t at[3] = {s.first[0] + k[0], s.first[1] + k[1], s.first[2] + k[2]};
-        take_cube(p, &s, at, c);
+  const double step[3] = {s.side_m * r[6], s.side_m * r[7], s.side_m * r[8]};
+  for (int32_t x = 0; x < GRID; ++x)
+    for (int32_t y = 0; y < GRID; ++y) {
+      double row[3];
+      int32_t first, beyond;
+      for (int i = 0; i < 3; ++i) row[i] = corner[i] + s.side_m * (x * r[i] + y * r[3 + i]);
+      clip(sides, row, step, &first, &beyond);
+      for (int32_t z = first; z < beyond; ++z) {
+        const double c[3] = {row[0] + z * step[0], row[1] + z * step[1], row[2] + z * step[2]};
+        const int32_t at[3] = {s.first[0] + x, s.first[1] + y, s.first[2] + z};
+        if (c[2] > s.side_m) take_cube(p, &s, at, c);
       }
+    }
 }
 
 /* Keeps where the vehicle is, unless it has hardly moved: then it is there still. */
