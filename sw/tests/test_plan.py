@@ -341,7 +341,7 @@ def swept(length: np.ndarray, way: np.ndarray) -> np.ndarray:
                 slanted = np.float32(0.5) * (beside + across + root)
                 found = np.where(apart >= here, np.minimum(beside, across) + here, slanted)
                 old = ways[y + 1, x + 1]
-                shorter |= bool((found < old - np.float32(0.02)).any())
+                shorter |= bool((old - found > np.float32(0.02)).any())
                 ways[y + 1, x + 1] = np.minimum(found, old)
         if not shorter:
             break

@@ -10,7 +10,7 @@
 #include "common/wide_vectors.h"
 
 #define GRID VISTA_PLAN_GRID
-#define BAND 16 /* rows that are gone through together */
+#define BAND 32 /* rows that are gone through together */
 #define STEPS (GRID + BAND - 1)
 #define ROUNDS 4 /* of four sweeps each, at most */
 #define SHORTER_MIN 0.02f /* of a cell: what is less does not matter */
@@ -22,7 +22,7 @@ static_assert(GRID % BAND == 0, "bands fill the grid");
 typedef struct row_band {
   float way[STEPS + 2][BAND + 2];
   float length[STEPS][BAND];
-  int32_t changed[BAND], shorter[BAND]; /* of a row: at all, and by enough to matter */
+  float gained[BAND]; /* of a row: by how much its cells became shorter, at most */
 } row_band;
 
 /* What is beside the grid: no way leads through it. */
@@ -42,21 +42,18 @@ static inline float solved(float a, float b, float length) {
 
 /* Goes through the cells of a band, one of each row in a step, and makes their ways shorter where it can. */
 VISTA_WIDE_VECTORS static void relax(row_band *band) {
-  int32_t changed[BAND] = {0}, shorter[BAND] = {0};
+  float gained[BAND] = {0};
   for (int32_t t = 0; t < STEPS; ++t) {
     const float *const before = band->way[t], *const after = band->way[t + 2], *const length = band->length[t];
-    float *const way = band->way[t + 1] + 1, found[BAND];
+    float *const restrict way = band->way[t + 1] + 1;
     for (int k = 0; k < BAND; ++k) {
       const float beside = vista_smaller(before[k + 1], after[k + 1]), across = vista_smaller(before[k], after[k + 2]);
       const float new_way = solved(beside, across, length[k]);
-      changed[k] |= new_way < way[k];
-      shorter[k] |= new_way < way[k] - SHORTER_MIN;
-      found[k] = vista_smaller(new_way, way[k]);
+      gained[k] = vista_larger(gained[k], way[k] - new_way);
+      way[k] = vista_smaller(new_way, way[k]);
     }
-    memcpy(way, found, sizeof found);
   }
-  memcpy(band->changed, changed, sizeof changed);
-  memcpy(band->shorter, shorter, sizeof shorter);
+  memcpy(band->gained, gained, sizeof gained);
 }
 
 /* Whether a row of the band may become shorter. After it or a row beside it became shorter for the last time, each row is
@@ -86,12 +83,12 @@ static bool sweep(vista_planner *planner, row_band *band, int32_t corner, int32_
     }
     relax(band);
     for (int32_t k = 0; k < BAND; ++k) {
-      if (!band->changed[k]) continue;
+      if (!(band->gained[k] > 0.0f)) continue;
       const int32_t y = down ? first + BAND - 1 - k : first + k;
       float *const way = planner->way[y + 1] + 1;
       for (int32_t i = 0; i < GRID; ++i) way[back ? GRID - 1 - i : i] = band->way[i + k + 1][k + 1];
       changed[y + 1] = number;
-      shorter |= band->shorter[k] != 0;
+      shorter |= band->gained[k] > SHORTER_MIN;
     }
   }
   return shorter;
