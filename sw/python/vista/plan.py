@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, ClassVar
 
 import numpy as np
@@ -117,6 +118,7 @@ class Planner:
             )
         )
         self._decision = self._ffi.new("vista_plan_decision *")
+        self.took_ms = 0.0  # processor time of the last decision
 
     @property
     def in_c(self) -> Any:
@@ -130,7 +132,10 @@ class Planner:
     def decide(self, detector: Detector, state: State, goal: Goal) -> Decision:
         """Decides after the detector has judged a frame. Raises ValueError for what is no state or goal."""
         arguments: tuple[Any, ...] = (self._planner, detector.in_c, state.in_c(), goal.in_c(), self._decision)
-        self._check(self._lib.vista_planner_decide(*arguments))
+        start_ns = time.thread_time_ns()
+        status = self._lib.vista_planner_decide(*arguments)
+        self.took_ms = 1e-6 * (time.thread_time_ns() - start_ns)
+        self._check(status)
         return Decision.copied(self._ffi, self._decision)
 
     def _check(self, status: int) -> None:

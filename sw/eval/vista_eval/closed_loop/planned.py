@@ -33,7 +33,7 @@ class Planned:
 
 class WithPlanner:
     def __init__(self, perception: Perception, values: parameters.Values, pose_noise: bool = False) -> None:
-        self._detector, self._planner = perception.detector, Planner(values)
+        self._detector, self.planner = perception.detector, Planner(values)
         self._sigma_m = POSITION_SIGMA_M if pose_noise else 0.0
 
     def decide(self, seen: Seen) -> Decision:
@@ -50,7 +50,7 @@ class WithPlanner:
             position_sigma_m=self._sigma_m,
         )
         goal = Goal.made(from_m=leg.from_m, to_m=leg.to_m, speed_m_s=leg.speed_m_s, passed=leg.passed)
-        plan = self._planner.decide(self._detector, state, goal)
+        plan = self.planner.decide(self._detector, state, goal)
         options = plan.options
         return Decision(
             Planned(plan), plan.action, why_of(plan, options), paths_of(plan, options, now.position_m)
