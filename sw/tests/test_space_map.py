@@ -25,7 +25,7 @@ from space_library import (
     scene,
     tolerances_off_m,
 )
-from stage_library import INVALID, camera, ffi
+from stage_library import INVALID, camera, ffi, lib
 from track_library import matched, pose
 
 
@@ -36,6 +36,52 @@ def shown_by(look: Look, point, radius_m: float = RADIUS_M, **given):
 
 
 # ---- one view ----
+
+
+DISC, BALL = 20, 12  # lines of sight across, at most
+
+
+def shares_of(space: Space, point: np.ndarray, radius_m: float, across: int) -> tuple[float, float]:
+    """Of the lines of sight to a disc, or to a ball: those in the picture; and of these, those that go on."""
+    e, lens = lib.vista_space_map_frame(space.handle, 0), space.camera
+    kind = np.frombuffer(ffi.buffer(e.kind, e.width * e.height), np.uint8).reshape(e.height, e.width)
+    word = np.frombuffer(ffi.buffer(e.word, 2 * e.width * e.height), np.int16).reshape(e.height, e.width)
+    x_m, y_m, z_m = point
+    u = (lens.center_u_px + lens.focal_px * x_m / z_m) / e.step_px
+    v = (lens.center_v_px + lens.focal_px * y_m / z_m) / e.step_px
+    fits_m = min(radius_m, 0.5 * z_m) if across == BALL else radius_m
+    reach = lens.focal_px * fits_m / z_m / e.step_px
+    step = max(1.0, 2.0 * reach / across)
+    x, y = np.meshgrid(*2 * [np.arange(-reach + 0.5 * step, reach, step)])
+    in_disc = np.hypot(x, y) < reach
+    column, row = (np.floor(axis[in_disc] + at + 0.5).astype(int) for axis, at in ((x, u), (y, v)))
+    inside = (column >= 0) & (column < e.width) & (row >= 0) & (row < e.height)
+    kind, word = kind[row[inside], column[inside]], word[row[inside], column[inside]]
+    told = kind != lib.VISTA_SIGHT_OUTSIDE
+    wanted_px = disparity_px(lens, z_m + (radius_m if across == BALL else 0.0))
+    on = (kind < lib.VISTA_SIGHT_HANGING) & (word < 16.0 * (wanted_px - max(0.75, 0.03 * wanted_px)))
+    return float(told.sum() / in_disc.sum()), float(on.sum() / max(told.sum(), 1))
+
+
+def test_a_place_is_looked_at_through_its_disc_in_the_picture_up_to_the_border() -> None:
+    random, compared = seeded(12), 0
+    for _ in range(5):
+        space = Space()
+        walls = [Wall(random.uniform(4.0, 20.0), sorted(random.uniform(-6.0, 6.0, 2))) for _ in range(6)]
+        space.take(scene([*walls, Wall(40.0)]), 0.1)
+        for _ in range(80):
+            z_m, radius_m = random.uniform(2.5, 30.0), random.uniform(0.5, 2.0)
+            point = z_m * np.array([random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1.0])
+            found = {BALL: space.look_around(point, radius_m), DISC: space.look(point, radius_m)}
+            for across, least in ((BALL, 0.6), (DISC, 0.25)):
+                in_picture, on = shares_of(space, point, radius_m, across)
+                if abs(in_picture - least) < 0.02:
+                    continue  # one line of sight more or less decides
+                assert found[across].frames == (in_picture > least)
+                if found[across].frames:
+                    assert found[across].beyond_newest == pytest.approx(on, abs=1e-12)
+                    compared += 1
+    assert compared > 200
 
 
 @pytest.mark.parametrize("width", [WIDTH, 1280])

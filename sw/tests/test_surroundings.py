@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from plan_library import SIDE_M, Surroundings, distance_m
 from random_seed import seeded
+from scipy.spatial.transform import Rotation
 from space_library import Wall
 from stage_library import lib
 
@@ -47,6 +48,27 @@ def test_what_stands_is_there_and_what_is_free_is_empty() -> None:
             assert middle[1] < 20.0 and all(distance_m(middle, wall) > 0.2 * SIDE_M for wall in walls)
         standing, free = standing + len(kept.standing_m), free + len(places)
     assert standing > 10 and free > 1000
+
+
+def test_all_that_is_in_view_and_before_a_far_wall_is_free() -> None:
+    """A cube whose sides end in the image, whichever way the camera looks and leans."""
+    random = seeded(2)
+    for _ in range(5):
+        kept, turn = Surroundings(), Rotation.from_rotvec(random.uniform(-0.3, 0.3, 3)).as_matrix()
+        at = random.uniform(-5.0, 5.0, 3)
+        for k in range(FREE):
+            kept.take([Wall(60.0)], at, 1.0 + 0.1 * k, turn, ground_y_m=None)
+        lens, free = kept.space.camera, 0
+        cubes = np.floor(at / SIDE_M) - CUBES // 2 + np.indices((CUBES,) * 3).reshape(3, -1).T
+        for middle_m in (cubes + 0.5) * SIDE_M:
+            x, y, z = turn.T @ (middle_m - at)
+            half_px = lens.focal_px * 0.5 * SIDE_M / max(z, 1e-3)
+            u_px, v_px = lens.center_u_px + lens.focal_px * x / z, lens.center_v_px + lens.focal_px * y / z
+            in_view = half_px < min(u_px, lens.width_px - 5 - u_px, v_px, lens.height_px - 5 - v_px)
+            if z > 4.0 * SIDE_M and in_view:
+                assert kept.was_free(middle_m, 0.0), (x, y, z)
+                free += 1
+        assert free > 500
 
 
 def test_what_is_beside_the_vehicle_stands_there_although_nothing_of_it_is_in_view() -> None:
