@@ -42,7 +42,7 @@ DISC, BALL = 20, 12  # lines of sight across, at most
 
 
 def shares_of(space: Space, point: np.ndarray, radius_m: float, across: int) -> tuple[float, float]:
-    """Of the lines of sight to a disc, or to a ball: those in the picture; and of these, those that go on."""
+    """Shares of the lines of sight to a disc or a ball: in the picture, and going on, of those that are."""
     e, lens = lib.vista_space_map_frame(space.handle, 0), space.camera
     kind = np.frombuffer(ffi.buffer(e.kind, e.width * e.height), np.uint8).reshape(e.height, e.width)
     word = np.frombuffer(ffi.buffer(e.word, 2 * e.width * e.height), np.int16).reshape(e.height, e.width)
