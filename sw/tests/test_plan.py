@@ -29,6 +29,14 @@ def test_before_open_space_it_flies_straight_at_the_speed_of_the_goal() -> None:
     np.testing.assert_allclose(decision.setpoint.velocity_m_s, [0.0, 0.0, 5.0], atol=0.1)
 
 
+def test_a_vehicle_at_rest_begins_straight_on_where_other_ways_cost_as_much() -> None:
+    """The first arc is 6 degrees aside: little but the change of velocity keeps it from being cheapest."""
+    decision = Planner().decide(seen_world(), state_of(), goal_of())
+    straight, arc = decision.options[:2]
+    assert (straight.primitive, arc.primitive) == ("straight", "arc")
+    assert arc.cost_s - straight.cost_s > 0.1
+
+
 def test_each_plan_ends_in_a_stop_that_is_held() -> None:
     decision = Planner().decide(seen_world(), state_of(velocity=(0.0, 0.0, 8.0)), goal_of(speed_m_s=8.0))
     assert not decision.points[-1]["velocity_m_s"].any()

@@ -165,7 +165,7 @@ typedef struct vista_planner {
   bool began, committed, has_level; /* there was a state; `plan` holds the trajectory that is flown; `level` is set */
   int32_t side; /* of the last circle: -1 to the right, 1 to the left, 0 none */
   int64_t t_ns; /* of the last state */
-  double wanted[3]; /* velocity that was decided last */
+  double wanted[3]; /* velocity that was decided last; at rest, before that, straight on */
   vista_plan_stood stood[VISTA_PLAN_STOOD];
   int32_t last_stood;
   int64_t taken_ns; /* the newest frame that was taken into the surroundings: */

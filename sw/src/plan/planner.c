@@ -434,6 +434,9 @@ vista_status vista_planner_decide_in(vista_planner *planner, const vista_pipelin
   const int64_t seen_ns = seen->frame->t_ns;
   w.space.late_s = state->t_ns > seen_ns ? vista_seconds_between(seen_ns, state->t_ns) : 0.0;
   w.aim = vista_plan_aim_at(planner, &from, goal);
+  /* What a few directions lack for a moment is no reason to begin along another way than straight on. */
+  const bool begins = !planner->committed && vista_norm(state->velocity_m_s) < STILL_M_S;
+  for (int i = 0; i < 3 && begins; ++i) planner->wanted[i] = w.aim.speed_m_s * w.aim.level[i];
   w.arrived = !goal->passed && w.aim.distance_m < (circles(&w) ? ARRIVED_S * goal->speed_m_s : ARRIVED_M);
   vista_plan_take_obstacles(&w.space);
   vista_plan_take_surroundings(&w.space);
