@@ -5,7 +5,7 @@ World: x to the right, y down, z forward. The vehicle looks along z unless it sa
 from __future__ import annotations
 
 import numpy as np
-from space_library import SPACE_FRAMES, Space, Wall, scene
+from space_library import SPACE_FRAMES, Space, Wall, scene, with_faces
 from stage_library import ffi, lib, parameters, status_name
 from track_library import SECOND
 from vista.plan import Decision
@@ -42,11 +42,12 @@ class Planner:
 
     def try_to(self, space: Space, state, goal, obstacles=(), tracks=()) -> tuple[str, Decision]:
         seen, directions = ffi.new("vista_pipeline_stages *"), ffi.new("vista_directions *")
-        items, followed = ffi.new("vista_obstacle[]", list(obstacles)), ffi.new("vista_track[]", list(tracks))
+        items, faces = with_faces(space.frame, obstacles)
+        followed = ffi.new("vista_track[]", list(tracks))
         seen.frame, seen.space = space.frame, space.handle
-        seen.obstacles, seen.obstacle_count = items, len(items)
+        seen.obstacles, seen.obstacle_count, seen.faces = items, len(items), faces
         seen.tracks, seen.track_count = followed, len(followed)
-        lib.vista_free_directions(space.frame, space.handle, items, len(items), directions)
+        lib.vista_free_directions(space.frame, space.handle, items, faces, len(items), directions)
         decision = ffi.new("vista_plan_decision *")
         status = lib.vista_planner_decide_in(self.handle, seen, directions, state, goal, decision)
         return status_name(status), Decision.copied(ffi, decision)

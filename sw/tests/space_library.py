@@ -40,6 +40,31 @@ class Look:
     pose: object
 
 
+def seen_ellipse(frame, position_m, extent_m) -> dict[str, float]:
+    """The ellipse of what is seen about a place, as wide and high as that."""
+    turn = np.array(list(frame.motion.pose.rotation)).reshape(3, 3)
+    camera_m = turn.T @ (np.array(list(position_m)) - np.array(list(frame.motion.pose.translation_m)))
+    pixel_m = camera_m[2] / frame.camera.focal_px
+    half_px = [0.5 * extent / pixel_m for extent in extent_m]
+    return {
+        "center_u_px": frame.camera.center_u_px + camera_m[0] / pixel_m,
+        "center_v_px": frame.camera.center_v_px + camera_m[1] / pixel_m,
+        "axis_a_px": max(half_px),
+        "axis_b_px": min(half_px),
+        "angle_deg": 0.0 if half_px[0] >= half_px[1] else 90.0,
+    }
+
+
+def with_faces(frame, obstacles):
+    """Obstacles of a frame and their faces. One without an ellipse is seen in its extent."""
+    items, faces = ffi.new("vista_obstacle[]", list(obstacles)), ffi.new("vista_face[]", len(obstacles))
+    for k, item in enumerate(items):
+        if item.ellipse.axis_a_px == 0.0:
+            item.ellipse = seen_ellipse(frame, item.position_m, item.extent_m)
+        faces[k] = lib.vista_face_of(frame, ffi.addressof(item))
+    return items, faces
+
+
 def scene(
     walls=(), ground_y_m: float | None = None, position=(0.0, 0.0, 0.0), rotation=None, lens=None
 ) -> Look:

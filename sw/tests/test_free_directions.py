@@ -20,6 +20,8 @@ from space_library import (
     Space,
     Wall,
     scene,
+    seen_ellipse,
+    with_faces,
 )
 from stage_library import INVALID, ffi, lib, status_name
 from vista.pipeline import Directions
@@ -33,8 +35,8 @@ inside = np.abs(middles_deg) < HALF_VIEW_DEG - 0.5
 
 def directions(space: Space, *obstacles) -> tuple[np.ndarray, np.ndarray]:
     """free_m and blocked_m of the frame that the map took last."""
-    found, items = ffi.new("vista_directions *"), ffi.new("vista_obstacle[]", list(obstacles))
-    lib.vista_free_directions(space.frame, space.handle, items, len(obstacles), found)
+    found, (items, faces) = ffi.new("vista_directions *"), with_faces(space.frame, obstacles)
+    lib.vista_free_directions(space.frame, space.handle, items, faces, len(obstacles), found)
     return np.array(list(found.free_m)), np.array(list(found.blocked_m))
 
 
@@ -181,8 +183,7 @@ def test_null_is_refused() -> None:
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_wall_that_the_border_cuts_off_ends_on_its_other_side_where_it_is_seen_to_end(side: float) -> None:
-    """A front 20 m wide at 10 m reaches 4 m into the view from one side. Its obstacle is as wide as the front
-    once was, around the middle of what is still seen."""
+    """A front 20 m wide at 10 m reaches 4 m into the view from one side. Its obstacle is about its middle."""
     half_view_m = 10.0 * np.tan(np.radians(HALF_VIEW_DEG))
     inner_m = half_view_m - 4.0
     x_m = sorted((side * inner_m, side * (inner_m + 20.0)))
@@ -190,8 +191,9 @@ def test_a_wall_that_the_border_cuts_off_ends_on_its_other_side_where_it_is_seen
     space.watch(scene([Wall(10.0, tuple(x_m))], GROUND_M), up_camera=UP)
     thing = {
         "confirmed": True,
-        "position_m": [side * (half_view_m - 2.0), 0.0, 10.0],
+        "position_m": [side * (inner_m + 10.0), 0.0, 10.0],
         "extent_m": [20.0, 20.0],
+        "ellipse": seen_ellipse(space.frame, (side * (half_view_m - 2.0), 0.0, 10.0), (4.0, 20.0)),
     }
     free_m, blocked_m = directions(space, thing)
     before_deg = np.degrees(np.arctan((inner_m - 2.0) / 10.0))

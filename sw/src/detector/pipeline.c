@@ -479,7 +479,7 @@ vista_status vista_pipeline_directions(const vista_pipeline *pipeline, vista_dir
   if (!p->processed) return VISTA_OK;
   int32_t count;
   const vista_obstacle *const obstacles = vista_obstacle_map_obstacles(p->map, &count);
-  vista_free_directions(&p->frame, &p->space, obstacles, count, directions);
+  vista_free_directions(&p->frame, &p->space, obstacles, vista_obstacle_map_faces(p->map), count, directions);
   return VISTA_OK;
 }
 
@@ -494,5 +494,6 @@ vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline) {
                                   .space = &p->space};
   stages.tracks = vista_tracker_tracks(p->tracker, &stages.track_count);
   stages.obstacles = vista_obstacle_map_obstacles(p->map, &stages.obstacle_count);
+  stages.faces = vista_obstacle_map_faces(p->map);
   return stages;
 }

@@ -13,6 +13,7 @@
 #include "perceive/cells/surface.h"
 #include "perceive/frame_view.h"
 #include "perceive/region/region.h"
+#include "space/face.h"
 #include "space/path_places.h"
 #include "space/space_map.h"
 #include "vista/detector.h"
@@ -36,6 +37,7 @@ typedef struct vista_pipeline_stages {
   int32_t track_count;
   const vista_obstacle *obstacles; /* of the last frame */
   int32_t obstacle_count;
+  const vista_face *faces; /* of the obstacles */
 } vista_pipeline_stages;
 
 vista_pipeline_stages vista_pipeline_look(const vista_pipeline *pipeline);

@@ -69,6 +69,17 @@ void vista_track_judge(const vista_track_frame *f, vista_track *track) {
                             &track->credible);
 }
 
+/* From the position to the middle of what is seen: the border of the image may hide the larger part. */
+static void find_seen_off(const vista_track_frame *f, vista_track *track) {
+  double camera_m[3], seen_m[3];
+  vista_frame_to_camera(f->pose, track->position_m, camera_m);
+  const double pixel_m = camera_m[2] / f->camera->focal_px;
+  camera_m[0] = pixel_m * (track->ellipse.center_u_px - f->camera->center_u_px);
+  camera_m[1] = pixel_m * (track->ellipse.center_v_px - f->camera->center_v_px);
+  vista_frame_to_world(f->pose, camera_m, seen_m);
+  for (int i = 0; i < 3; ++i) track->seen_off_m[i] = seen_m[i] - track->position_m[i];
+}
+
 static void hit(const vista_track_frame *f, const vista_detection *detection, vista_track *track) {
   track->coasting = track->followed = track->held = false;
   track->label = detection->label;
@@ -86,6 +97,7 @@ static void hit(const vista_track_frame *f, const vista_detection *detection, vi
   track->hit_t_ns = track->seen_t_ns = track->visible_t_ns = f->t_ns;
   track->ellipse = detection->ellipse;
   track->ellipse_depth_m = f->camera->focal_px * f->camera->baseline_m / detection->disparity_px;
+  find_seen_off(f, track);
 }
 
 /* How far the region wanders, and how far it was expected to by the noise of its detections and of the prediction. */

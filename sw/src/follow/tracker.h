@@ -94,6 +94,7 @@ typedef struct vista_track {
   vista_static_world world;
   vista_ellipse ellipse; /* of the last detection */
   double ellipse_depth_m; /* camera z at that detection */
+  double seen_off_m[3]; /* world: from the position to the middle of that ellipse, at the depth of the position */
 } vista_track;
 
 #define VISTA_SCATTER_HITS 10.0 /* of which the means of a track's scatter are */

@@ -33,45 +33,41 @@ static double sigma_along_m(const double covariance_m2[9], const double axis[3])
   return sqrt(fmax(variance, 0.0));
 }
 
-/* From a point to the board that stands for an obstacle at `at_m`, facing the camera; squared. The board is wider by
- * sigma_m, and as deep as so many standard deviations of its position, but no deeper than what is matched at its range
- * may be off: what the map sees through before it is free, however little is known of how far the obstacle is. */
-static double apart2_m2(const vista_plan_space *space, const vista_obstacle *o, const double at_m[3], double sigma_m,
-                        double sigmas, const double point_m[3]) {
-  const vista_frame_view *const frame = space->seen.frame;
-  double sight[3], aside[3], up[3], apart[3];
-  for (int i = 0; i < 3; ++i) {
-    sight[i] = at_m[i] - frame->motion.pose.translation_m[i];
-    up[i] = vista_dot(frame->motion.pose.rotation + 3 * i, frame->up_camera);
-    apart[i] = point_m[i] - at_m[i];
-  }
-  const double range_m = vista_norm(sight);
-  for (int i = 0; i < 3; ++i) sight[i] /= fmax(range_m, 1e-3);
-  vista_cross(sight, up, aside);
-  const double upright = vista_norm(aside);
-  if (!(upright > 1e-3)) return vista_square(fmax(vista_norm(apart) - 0.5 * o->extent_m[0], 0.0));
-  for (int i = 0; i < 3; ++i) aside[i] /= upright;
-  vista_cross(aside, sight, up);
-  const double half_m = 0.5 * fmin(o->extent_m[0], WIDEST_M);
-  const double x = fmax(fabs(vista_dot(apart, aside)) - half_m - sigma_m, 0.0);
-  const double y = fmax(fabs(vista_dot(apart, up)) - 0.5 * o->extent_m[1] - sigma_m, 0.0);
-  const double off_m = vista_path_place_reach_m(frame->camera, range_m);
-  const double deep_m = fmax(fmin(sigmas * sigma_along_m(o->covariance_m2, sight), off_m), 0.5 * half_m);
-  const double z = fmax(fabs(vista_dot(apart, sight)) - deep_m, 0.0);
+static double half_width_m(const vista_face *face) { return fmin(face->half_m[0], 0.5 * WIDEST_M); }
+
+/* The least depth of what stands for an obstacle, to both sides of its face. */
+static double least_deep_m(const vista_face *face) { return 0.5 * half_width_m(face); }
+
+/* From a point to what stands for an obstacle, squared: its face, no wider than WIDEST_M, moved by `moved_m` and wider by
+ * `sigma_m`, and so deep to both sides. */
+static double apart2_m2(const vista_face *face, const double moved_m[3], double sigma_m, double deep_m,
+                        const double point_m[3]) {
+  double apart_m[3];
+  for (int i = 0; i < 3; ++i) apart_m[i] = point_m[i] - face->middle_m[i] - moved_m[i];
+  const double x = fmax(fabs(vista_dot(apart_m, face->aside)) - half_width_m(face) - sigma_m, 0.0);
+  const double y = fmax(fabs(vista_dot(apart_m, face->up)) - face->half_m[1] - sigma_m, 0.0);
+  const double z = fmax(fabs(vista_dot(apart_m, face->sight)) - deep_m, 0.0);
   return x * x + y * y + z * z;
 }
+
+static const double unmoved_m[3] = {0.0, 0.0, 0.0};
 
 _Static_assert(VISTA_PLAN_THINGS >= VISTA_TRACKER_MAX + VISTA_OBSTACLE_KIND_COUNT, "obstacles of a frame");
 
 static bool moves(const vista_obstacle *o) { return o->world == VISTA_WORLD_MOVES; }
 
-/* Around an obstacle that stands, a ball that holds the board which stands for it. */
-static double reach_m(const vista_plan_space *space, const vista_obstacle *o) {
-  const double *const c = o->covariance_m2, half_m = 0.5 * o->extent_m[0];
-  const double range_m = vista_distance(o->position_m, space->seen.frame->motion.pose.translation_m);
-  const double off_m = vista_path_place_reach_m(space->seen.frame->camera, range_m);
-  const double deep_m = fmax(fmin(SIGMAS * sqrt(fmax(c[0] + c[4] + c[8], 0.0)), off_m), half_m);
-  return sqrt(vista_square(half_m) + vista_square(0.5 * o->extent_m[1]) + vista_square(deep_m));
+/* What stands for an obstacle is as deep as so many standard deviations of its position, but no deeper than what is
+ * matched at its range may be off: what the map sees through before it is free, however little is known of how far the
+ * obstacle is. */
+static vista_plan_thing thing_of(const vista_plan_space *space, int32_t index) {
+  const vista_face *const face = &space->seen.faces[index];
+  const double off_m = vista_path_place_reach_m(space->seen.frame->camera, face->range_m);
+  const double sigma_m = sigma_along_m(space->seen.obstacles[index].covariance_m2, face->sight);
+  vista_plan_thing thing = {.index = index, .deep_m = fmax(fmin(SIGMAS * sigma_m, off_m), least_deep_m(face))};
+  const double reach_m = hypot(hypot(half_width_m(face), face->half_m[1]), thing.deep_m);
+  thing.near_m2 = (float)vista_square(1.001 * (reach_m + space->radius_m));
+  thing.start2_m2 = apart2_m2(face, unmoved_m, 0.0, least_deep_m(face), space->start_m);
+  return thing;
 }
 
 void vista_plan_take_obstacles(vista_plan_space *space) {
@@ -80,11 +76,7 @@ void vista_plan_take_obstacles(vista_plan_space *space) {
     for (int32_t k = 0; k < space->seen.obstacle_count; ++k) {
       const vista_obstacle *const o = &space->seen.obstacles[k];
       if (!o->confirmed || o->kind == VISTA_OBSTACLE_PLACE || moves(o) != moving) continue;
-      vista_plan_thing *const thing = &space->things[space->thing_count++];
-      *thing = (vista_plan_thing){.index = k};
-      if (moving) continue;
-      thing->near_m2 = (float)vista_square(1.001 * (reach_m(space, o) + space->radius_m));
-      thing->start2_m2 = apart2_m2(space, o, o->position_m, 0.0, 0.0, space->start_m);
+      space->things[space->thing_count++] = thing_of(space, k);
     }
     if (!moving) space->still_count = space->thing_count;
   }
@@ -96,10 +88,11 @@ static const vista_obstacle *still_at(const vista_plan_space *space, const doubl
   vista_middle(space->start_m, point_m, middle_m);
   for (int32_t k = 0; k < space->still_count; ++k) {
     const vista_plan_thing *const thing = &space->things[k];
-    const vista_obstacle *const o = &space->seen.obstacles[thing->index];
-    if (!(vista_distance2(o->position_m, point_m) < (double)thing->near_m2)) continue;
-    if (!(apart2_m2(space, o, o->position_m, 0.0, SIGMAS, point_m) < vista_square(space->radius_m))) continue;
-    if (apart2_m2(space, o, o->position_m, 0.0, 0.0, middle_m) < thing->start2_m2) return o;
+    const vista_face *const face = &space->seen.faces[thing->index];
+    if (!(vista_distance2(face->middle_m, point_m) < (double)thing->near_m2)) continue;
+    if (!(apart2_m2(face, unmoved_m, 0.0, thing->deep_m, point_m) < vista_square(space->radius_m))) continue;
+    if (apart2_m2(face, unmoved_m, 0.0, least_deep_m(face), middle_m) < thing->start2_m2)
+      return &space->seen.obstacles[thing->index];
   }
   return NULL;
 }
@@ -107,16 +100,18 @@ static const vista_obstacle *still_at(const vista_plan_space *space, const doubl
 /* What moves and is at a point then; null: nothing. */
 static const vista_obstacle *moving_at(const vista_plan_space *space, const double point_m[3], double after_s) {
   for (int32_t k = space->still_count; k < space->thing_count; ++k) {
-    const vista_obstacle *const o = &space->seen.obstacles[space->things[k].index];
-    double at_m[3], sigma_m = 0.0;
-    memcpy(at_m, o->position_m, sizeof at_m);
+    const vista_plan_thing *const thing = &space->things[k];
+    const vista_obstacle *const o = &space->seen.obstacles[thing->index];
+    double moved_m[3] = {0.0, 0.0, 0.0}, sigma_m = 0.0;
     const vista_track *const track = track_of(space, o);
     if (track != NULL) {
       const double later_s = after_s + space->late_s, *const c = track->covariance;
-      for (int i = 0; i < 3; ++i) at_m[i] += later_s * track->velocity_m_s[i];
+      for (int i = 0; i < 3; ++i) moved_m[i] = later_s * track->velocity_m_s[i];
       sigma_m = SIGMAS * later_s * sqrt(fmax((c[21] + c[28] + c[35]) / 3.0, 0.0));
     }
-    if (apart2_m2(space, o, at_m, fmin(sigma_m, WIDEST_M), SIGMAS, point_m) < vista_square(space->radius_m)) return o;
+    const vista_face *const face = &space->seen.faces[thing->index];
+    const double apart_m2 = apart2_m2(face, moved_m, fmin(sigma_m, WIDEST_M), thing->deep_m, point_m);
+    if (apart_m2 < vista_square(space->radius_m)) return o;
   }
   return NULL;
 }

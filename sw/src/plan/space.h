@@ -44,7 +44,8 @@ typedef struct vista_plan_looked {
 /* A confirmed obstacle that places are held against. */
 typedef struct vista_plan_thing {
   int32_t index;
-  float near_m2; /* if it stands: what is farther from it is not at it; squared, */
+  double deep_m;    /* half the depth of what stands for it */
+  float near_m2;    /* if it stands: what is farther from it is not at it; squared, */
   double start2_m2; /* and how far the vehicle is from it */
 } vista_plan_thing;
 

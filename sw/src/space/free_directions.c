@@ -34,29 +34,23 @@ static void direction_to_world(const vista_pose *pose, const double camera[3], d
   for (int i = 0; i < 3; ++i) world[i] = vista_dot(pose->rotation + 3 * i, camera);
 }
 
-/* Half of the width of an obstacle, on both sides of its middle. What the border of the image cuts off is remembered as
- * wide as it was, but its middle is that of what is still seen: so it is as wide on the other side, and no wider. */
-static double half_width_m(const view *v, const vista_obstacle *obstacle, const double camera_m[3]) {
-  const vista_camera *const camera = v->frame->camera;
-  const double half_m = 0.5 * obstacle->extent_m[0];
-  if (!(camera_m[2] > 0.0)) return half_m;
-  const double u_px = camera->center_u_px + camera->focal_px * camera_m[0] / camera_m[2];
-  const double seen_px = fmin(u_px, camera->width_px - 1.0 - u_px);
-  return seen_px > 0.0 ? fmin(half_m, seen_px * camera_m[2] / camera->focal_px) : half_m;
+static double azimuth_deg(const view *v, const vista_face *face, double aside_m) {
+  double world_m[3], camera_m[3];
+  for (int i = 0; i < 3; ++i) world_m[i] = face->middle_m[i] + aside_m * face->aside[i];
+  vista_frame_to_camera(&v->frame->motion.pose, world_m, camera_m);
+  return VISTA_DEGREES_PER_RADIAN * atan2(vista_dot(camera_m, v->right), vista_dot(camera_m, v->ahead));
 }
 
-static void tell(view *v, const vista_obstacle *obstacle) {
-  double camera_m[3];
+static void tell(view *v, const vista_obstacle *obstacle, const vista_face *face) {
   if (!obstacle->confirmed) return;
-  vista_frame_to_camera(&v->frame->motion.pose, obstacle->position_m, camera_m);
-  if (!(fabs(vista_dot(camera_m, v->up)) < v->half_m + 0.5 * obstacle->extent_m[1])) return;
-  const double ahead_m = vista_dot(camera_m, v->ahead), right_m = vista_dot(camera_m, v->right);
-  const double distance_m = hypot(ahead_m, right_m);
-  const double middle_deg = VISTA_DEGREES_PER_RADIAN * atan2(right_m, ahead_m);
-  const double half_deg = VISTA_DEGREES_PER_RADIAN * atan2(half_width_m(v, obstacle, camera_m), distance_m);
+  double camera_m[3];
+  vista_frame_to_camera(&v->frame->motion.pose, face->middle_m, camera_m);
+  if (!(fabs(vista_dot(camera_m, v->up)) < v->half_m + face->half_m[1])) return;
+  const double distance_m = hypot(vista_dot(camera_m, v->ahead), vista_dot(camera_m, v->right));
   double *const told_m = obstacle->kind == VISTA_OBSTACLE_GROUND ? v->ground_m : v->thing_m;
-  const double first = fmax(floor(middle_deg - half_deg - VISTA_DIRECTIONS_FIRST_DEG), 0.0);
-  const double last = fmin(floor(middle_deg + half_deg - VISTA_DIRECTIONS_FIRST_DEG), VISTA_DIRECTIONS - 1.0);
+  const double first_deg = azimuth_deg(v, face, -face->half_m[0]), last_deg = azimuth_deg(v, face, face->half_m[0]);
+  const double first = fmax(floor(first_deg - VISTA_DIRECTIONS_FIRST_DEG), 0.0);
+  const double last = fmin(floor(last_deg - VISTA_DIRECTIONS_FIRST_DEG), VISTA_DIRECTIONS - 1.0);
   for (double k = first; k <= last; ++k) told_m[(int)k] = fmin(told_m[(int)k], distance_m);
 }
 
@@ -93,7 +87,7 @@ static double block_m(const view *v, int32_t column, const vista_path_place *pla
 }
 
 void vista_free_directions(const vista_frame_view *frame, const vista_space_map *map, const vista_obstacle *obstacles,
-                           int32_t count, vista_directions *directions) {
+                           const vista_face *faces, int32_t count, vista_directions *directions) {
   const vista_obstacle_map_params *const params = &frame->params->obstacle_map;
   *directions = (vista_directions){.up_known = frame->up_known};
   memcpy(directions->up_camera, frame->up_camera, sizeof directions->up_camera);
@@ -104,7 +98,7 @@ void vista_free_directions(const vista_frame_view *frame, const vista_space_map 
   if (!make_axes(&v, directions->up_camera)) return;
   direction_to_world(&frame->motion.pose, v.up, v.up_world);
   for (int k = 0; k < VISTA_DIRECTIONS; ++k) v.thing_m[k] = v.ground_m[k] = INFINITY;
-  for (int32_t k = 0; k < count; ++k) tell(&v, &obstacles[k]);
+  for (int32_t k = 0; k < count; ++k) tell(&v, &obstacles[k], &faces[k]);
   const vista_camera *const camera = frame->camera;
   const double first_m = fmax(camera->focal_px * camera->baseline_m / frame->matched.disparity_max_px, 1.1 * v.half_m);
   const double last_m = vista_path_places_farthest_m(frame, params->collision_length_m);

@@ -14,12 +14,13 @@
 #include <stdint.h>
 
 #include "perceive/frame_view.h"
+#include "space/face.h"
 #include "space/space_map.h"
 #include "vista/directions.h"
 #include "vista/obstacle.h"
 
-/* Fills *directions in for the vertical of the frame, which the map has taken already. */
+/* Fills *directions in for the vertical of the frame, which the map has taken already. faces: of the obstacles. */
 void vista_free_directions(const vista_frame_view *frame, const vista_space_map *map, const vista_obstacle *obstacles,
-                           int32_t count, vista_directions *directions);
+                           const vista_face *faces, int32_t count, vista_directions *directions);
 
 #endif

@@ -28,6 +28,7 @@ struct vista_obstacle_map {
   int32_t count;
   vista_nearest_collision nearest;
   vista_obstacle *obstacles;
+  vista_face *faces;
   double free_m;
   bool *entering; /* a track: it is told as in the volume because it soon will be */
 };
@@ -36,13 +37,15 @@ vista_status vista_obstacle_map_layout(int32_t max_tracks, vista_arena *arena, v
   *map = NULL;
   if (max_tracks < 1 || max_tracks > VISTA_TRACKER_MAX) return VISTA_ERROR_RANGE;
   vista_obstacle_map *made = vista_arena_take(arena, 1, sizeof *made);
-  vista_obstacle *obstacles =
-      vista_arena_take(arena, (size_t)max_tracks + VISTA_OBSTACLE_KIND_COUNT - 1, sizeof *obstacles);
+  const size_t most = (size_t)max_tracks + VISTA_OBSTACLE_KIND_COUNT - 1;
+  vista_obstacle *obstacles = vista_arena_take(arena, most, sizeof *obstacles);
+  vista_face *faces = vista_arena_take(arena, most, sizeof *faces);
   bool *entering = vista_arena_take(arena, (size_t)max_tracks, sizeof *entering);
   if (arena->base == NULL) return VISTA_OK;
   if (arena->used > arena->size) return VISTA_ERROR_MEMORY;
   made->max_tracks = max_tracks;
   made->obstacles = obstacles;
+  made->faces = faces;
   made->entering = entering;
   *map = made;
   return VISTA_OK;
@@ -58,6 +61,8 @@ const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map
   *count = map->count;
   return map->obstacles;
 }
+
+const vista_face *vista_obstacle_map_faces(const vista_obstacle_map *map) { return map->faces; }
 
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map) { return map->nearest; }
 
@@ -247,5 +252,6 @@ void vista_obstacle_map_update(vista_obstacle_map *map, const vista_frame_view *
   if (input->places != NULL) ask_places(map, frame, input);
   if (warned) leave_to_ground(map, frame, input);
   find_nearest(map, frame, input);
+  for (int32_t i = 0; i < map->count; ++i) map->faces[i] = vista_face_of(frame, &map->obstacles[i]);
   if (input->places != NULL) map->free_m = free_m(map, frame, input);
 }

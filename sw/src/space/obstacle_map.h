@@ -39,6 +39,7 @@
 #include "perceive/frame_view.h"
 #include "perceive/terrain/terrain.h"
 #include "perceive/words/blind_zone.h"
+#include "space/face.h"
 #include "space/path_places.h"
 #include "space/space_map.h"
 #include "vista/obstacle.h"
@@ -67,6 +68,7 @@ void vista_obstacle_map_update(vista_obstacle_map *map, const vista_frame_view *
 
 /* In front of the camera only, nearest first (then by id); valid until the next update. */
 const vista_obstacle *vista_obstacle_map_obstacles(const vista_obstacle_map *map, int32_t *count);
+const vista_face *vista_obstacle_map_faces(const vista_obstacle_map *map); /* of these, in their order */
 vista_nearest_collision vista_obstacle_map_nearest(const vista_obstacle_map *map);
 
 /* How far the path is free: as far as its places are, no farther than the nearest collision, nor than what flies and may

@@ -217,13 +217,18 @@ static bool still_met(const vista_obstacle_map_params *params, const vista_fligh
   return vista_norm(off_m) <= params->collision_radius_m;
 }
 
-/* Without a detection: the last ellipse, moved to the predicted centre and scaled with the range. */
-static vista_ellipse ellipse_of(const vista_track *track, const double measurement_px[3], double depth_m) {
+/* Without a detection: the last ellipse, moved to where its middle is by now and scaled with the range. */
+static vista_ellipse ellipse_of(const vista_frame_view *frame, const vista_track *track, double depth_m) {
   vista_ellipse ellipse = track->ellipse;
   if (!track->coasting && !track->followed) return ellipse;
+  double seen_m[3], camera_m[3], measured_px[3];
+  for (int i = 0; i < 3; ++i) seen_m[i] = track->position_m[i] + track->seen_off_m[i];
+  vista_frame_to_camera(&frame->motion.pose, seen_m, camera_m);
+  camera_m[2] = fmax(camera_m[2], DEPTH_MIN_M);
+  vista_frame_measure(frame->camera, camera_m, measured_px, NULL);
   const double scale = track->ellipse_depth_m / depth_m;
-  ellipse.center_u_px = measurement_px[0];
-  ellipse.center_v_px = measurement_px[1];
+  ellipse.center_u_px = measured_px[0];
+  ellipse.center_v_px = measured_px[1];
   ellipse.axis_a_px *= scale;
   ellipse.axis_b_px *= scale;
   return ellipse;
@@ -258,7 +263,7 @@ bool vista_track_obstacle(const vista_frame_view *frame, const vista_track *trac
   lasting_covariance(frame, track, camera_m, lasting_m2);
   for (int i = 0; i < 9; ++i) obstacle->covariance_m2[i] += lasting_m2[i];
   obstacle->disparity_px = measurement_px[2];
-  obstacle->ellipse = ellipse_of(track, measurement_px, camera_m[2]);
+  obstacle->ellipse = ellipse_of(frame, track, camera_m[2]);
   const int32_t members = track->misses > MISSES_MAX ? 0 : vista_window_count(track->volume_window, 3);
   const bool undetected = track->coasting || track->followed;
   obstacle->in_collision_volume = track->credible && members >= (track->hits > 1 ? 2 : 1);

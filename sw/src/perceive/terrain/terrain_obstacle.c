@@ -24,7 +24,7 @@ bool vista_terrain_obstacle(const vista_frame_view *frame, const vista_terrain *
   if (!(camera_m[2] > DEPTH_MIN_M)) return false;
   vista_frame_measure(camera, camera_m, measurement_px, NULL);
   (void)vista_flight_path_along(&frame->path, c->point_m, direction);
-  const double radius_px = c->radius_m * camera->focal_px / camera_m[2];
+  const double radius_px = VISTA_TERRAIN_BESIDE * c->radius_m * camera->focal_px / camera_m[2];
   double normal[3];
   vista_frame_direction_to_camera(pose, terrain->plane.normal, normal);
   const double leans_deg = atan2(-normal[0], normal[1]) * VISTA_DEGREES_PER_RADIAN;

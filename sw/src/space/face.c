@@ -1,0 +1,46 @@
+#include "space/face.h"
+
+#include <math.h>
+
+#include "common/frame.h"
+#include "common/numbers.h"
+
+#define LEVEL_MIN 1e-3 /* sine of optical axis and vertical, below which the rows of the image count as level */
+
+/* Half the extent of an ellipse along a unit direction of the image. */
+static double half_px(const vista_ellipse *ellipse, double right, double down) {
+  const double angle = ellipse->angle_deg * VISTA_RADIANS_PER_DEGREE;
+  const double along_a = right * cos(angle) + down * sin(angle), along_b = down * cos(angle) - right * sin(angle);
+  return hypot(ellipse->axis_a_px * along_a, ellipse->axis_b_px * along_b);
+}
+
+static void to_world(const vista_pose *pose, const double camera[3], double world[3]) {
+  for (int i = 0; i < 3; ++i) world[i] = vista_dot(pose->rotation + 3 * i, camera);
+}
+
+vista_face vista_face_of(const vista_frame_view *frame, const vista_obstacle *obstacle) {
+  const vista_pose *const pose = &frame->motion.pose;
+  const vista_camera *const camera = frame->camera;
+  const vista_ellipse *const ellipse = &obstacle->ellipse;
+  double middle_m[3], ahead[3], level[3] = {1.0, 0.0, 0.0}, aside[3], sight[3], up[3];
+  if (hypot(frame->up_camera[0], frame->up_camera[1]) >= LEVEL_MIN)
+    vista_frame_level_axes(frame->up_camera, ahead, level);
+  const double upright[3] = {level[1], -level[0], 0.0}; /* across that in the image */
+  vista_frame_to_camera(pose, obstacle->position_m, middle_m);
+  const double pixel_m = middle_m[2] / camera->focal_px;
+  middle_m[0] = pixel_m * (ellipse->center_u_px - camera->center_u_px);
+  middle_m[1] = pixel_m * (ellipse->center_v_px - camera->center_v_px);
+  vista_face face = {.range_m = vista_norm(middle_m)};
+  for (int i = 0; i < 3; ++i) sight[i] = middle_m[i] / face.range_m;
+  vista_cross(sight, upright, aside);
+  const double length = vista_norm(aside); /* the sight has a part along the optical axis: this is not zero */
+  for (int i = 0; i < 3; ++i) aside[i] /= length;
+  vista_cross(aside, sight, up);
+  face.half_m[0] = pixel_m * half_px(ellipse, level[0], level[1]) * vista_dot(level, aside);
+  face.half_m[1] = pixel_m * half_px(ellipse, upright[0], upright[1]) * vista_dot(upright, up);
+  vista_frame_to_world(pose, middle_m, face.middle_m);
+  to_world(pose, sight, face.sight);
+  to_world(pose, aside, face.aside);
+  to_world(pose, up, face.up);
+  return face;
+}
