@@ -75,7 +75,7 @@ typedef struct vista_obstacle {
   double covariance_m2[9]; /* of position_m, row-major; includes errors that last while the obstacle is in view */
   double distance_m; /* of position_m from the camera */
   double extent_m[2]; /* width, height */
-  vista_ellipse ellipse; /* of this frame's detection; while coasting, the last one moved to the predicted place */
+  vista_ellipse ellipse; /* of this frame's detection; while coasting, of the last one, where that is by now */
   double disparity_px; /* at the estimated position */
   bool in_collision_volume; /* it can cause a warning and is in the volume around the flight path, or about to enter */
   vista_obstacle_kind kind; /* of ground, position_m is the point that the volume meets first, extent_m twice the width
