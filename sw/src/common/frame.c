@@ -64,6 +64,10 @@ void vista_frame_direction_to_camera(const vista_pose *pose, const double world[
     camera[i] = pose->rotation[i] * world[0] + pose->rotation[3 + i] * world[1] + pose->rotation[6 + i] * world[2];
 }
 
+void vista_frame_direction_to_world(const vista_pose *pose, const double camera[3], double world[3]) {
+  for (int i = 0; i < 3; ++i) world[i] = vista_dot(pose->rotation + 3 * i, camera);
+}
+
 void vista_frame_level_axes(const double up_camera[3], double ahead[3], double right[3]) {
   const double steep = up_camera[2], level = sqrt(1.0 - steep * steep);
   for (int i = 0; i < 3; ++i) ahead[i] = ((i == 2) - steep * up_camera[i]) / level;

@@ -22,6 +22,7 @@ vista_status vista_frame_check_disparity(const vista_disparity_image *disparity,
 void vista_frame_to_camera(const vista_pose *pose, const double world_m[3], double camera_m[3]);
 /* A direction: rotated only. */
 void vista_frame_direction_to_camera(const vista_pose *pose, const double world[3], double camera[3]);
+void vista_frame_direction_to_world(const vista_pose *pose, const double camera[3], double world[3]);
 void vista_frame_to_world(const vista_pose *pose, const double camera_m[3], double world_m[3]);
 
 /* Horizontal axes of a camera that does not look straight up or down, in the camera: ahead along the optical axis, and

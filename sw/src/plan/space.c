@@ -64,8 +64,8 @@ static vista_plan_thing thing_of(const vista_plan_space *space, int32_t index) {
   const double off_m = vista_path_place_reach_m(space->seen.frame->camera, face->range_m);
   const double sigma_m = sigma_along_m(space->seen.obstacles[index].covariance_m2, face->sight);
   vista_plan_thing thing = {.index = index, .deep_m = fmax(fmin(SIGMAS * sigma_m, off_m), least_deep_m(face))};
-  const double reach_m = hypot(hypot(half_width_m(face), face->half_m[1]), thing.deep_m);
-  thing.near_m2 = (float)vista_square(1.001 * (reach_m + space->radius_m));
+  const double half_m[3] = {half_width_m(face), face->half_m[1], thing.deep_m};
+  thing.near_m2 = (float)vista_square(1.001 * (vista_norm(half_m) + space->radius_m));
   thing.start2_m2 = apart2_m2(face, unmoved_m, 0.0, least_deep_m(face), space->start_m);
   return thing;
 }

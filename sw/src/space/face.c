@@ -14,10 +14,6 @@ static double half_px(const vista_ellipse *ellipse, double right, double down) {
   return hypot(ellipse->axis_a_px * along_a, ellipse->axis_b_px * along_b);
 }
 
-static void to_world(const vista_pose *pose, const double camera[3], double world[3]) {
-  for (int i = 0; i < 3; ++i) world[i] = vista_dot(pose->rotation + 3 * i, camera);
-}
-
 vista_face vista_face_of(const vista_frame_view *frame, const vista_obstacle *obstacle) {
   const vista_pose *const pose = &frame->motion.pose;
   const vista_camera *const camera = frame->camera;
@@ -39,8 +35,8 @@ vista_face vista_face_of(const vista_frame_view *frame, const vista_obstacle *ob
   face.half_m[0] = pixel_m * half_px(ellipse, level[0], level[1]) * vista_dot(level, aside);
   face.half_m[1] = pixel_m * half_px(ellipse, upright[0], upright[1]) * vista_dot(upright, up);
   vista_frame_to_world(pose, middle_m, face.middle_m);
-  to_world(pose, sight, face.sight);
-  to_world(pose, aside, face.aside);
-  to_world(pose, up, face.up);
+  vista_frame_direction_to_world(pose, sight, face.sight);
+  vista_frame_direction_to_world(pose, aside, face.aside);
+  vista_frame_direction_to_world(pose, up, face.up);
   return face;
 }

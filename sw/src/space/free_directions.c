@@ -30,10 +30,6 @@ static bool make_axes(view *v, const double up[3]) {
   return true;
 }
 
-static void direction_to_world(const vista_pose *pose, const double camera[3], double world[3]) {
-  for (int i = 0; i < 3; ++i) world[i] = vista_dot(pose->rotation + 3 * i, camera);
-}
-
 static double azimuth_deg(const view *v, const vista_face *face, double aside_m) {
   double world_m[3], camera_m[3];
   for (int i = 0; i < 3; ++i) world_m[i] = face->middle_m[i] + aside_m * face->aside[i];
@@ -96,7 +92,7 @@ void vista_free_directions(const vista_frame_view *frame, const vista_space_map 
             .half_m = VISTA_PLACE_RADIUS_SHARE * params->collision_radius_m,
             .frames = frame->motion.known ? FRAMES : 1};
   if (!make_axes(&v, directions->up_camera)) return;
-  direction_to_world(&frame->motion.pose, v.up, v.up_world);
+  vista_frame_direction_to_world(&frame->motion.pose, v.up, v.up_world);
   for (int k = 0; k < VISTA_DIRECTIONS; ++k) v.thing_m[k] = v.ground_m[k] = INFINITY;
   for (int32_t k = 0; k < count; ++k) tell(&v, &obstacles[k], &faces[k]);
   const vista_camera *const camera = frame->camera;
@@ -106,7 +102,7 @@ void vista_free_directions(const vista_frame_view *frame, const vista_space_map 
     const double azimuth = (VISTA_DIRECTIONS_FIRST_DEG + column + 0.5) * VISTA_RADIANS_PER_DEGREE;
     double level[3], direction[3];
     for (int i = 0; i < 3; ++i) level[i] = cos(azimuth) * v.ahead[i] + sin(azimuth) * v.right[i];
-    direction_to_world(&frame->motion.pose, level, direction);
+    vista_frame_direction_to_world(&frame->motion.pose, level, direction);
     if (!(level[2] > 0.1)) continue;
     double along_m = fmin(first_m / level[2], last_m);
     vista_path_place place;
