@@ -564,6 +564,18 @@ def test_what_is_too_near_never_hides_ground_that_is_seen() -> None:
         assert mapper.nearest.id == nearest
 
 
+def test_what_is_too_near_is_seen_where_the_path_leads_whatever_the_camera_looks_at() -> None:
+    for velocity in (FORWARD, (4.0, -1.0, 8.0), (5.0, 0.0, 0.0), (0.0, 0.0, -5.0)):
+        mapper = Map()
+        mapper.update([], velocity, None, ffi.new("vista_blind_zone *", {"occupied": True, "range_m": 2.0}))
+        (found,) = mapper.obstacles
+        face = lib.vista_obstacle_map_faces(mapper.handle)[0]
+        beside = np.array(list(found.position_m))[:2]
+        assert list(face.middle_m)[:2] == pytest.approx(beside, abs=1e-9)
+        assert face.range_m == pytest.approx(2.0) or found.position_m[2] < 0.05
+        assert np.isfinite([*face.half_m, *face.aside, *face.up, face.range_m]).all()
+
+
 def test_the_volume_is_2_m_by_100_m_and_discs_count_with_their_edge() -> None:
     none = {"inflation_sigma": 0.0}
     for x, inside in ((2.49, True), (2.51, False), (-2.49, True), (-2.51, False)):

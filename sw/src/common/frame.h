@@ -5,6 +5,8 @@
 #include "vista/status.h"
 #include "vista/types.h"
 
+#define VISTA_DEPTH_MIN_M 0.05 /* what is nearer along the optical axis counts as behind the camera */
+
 extern const vista_pose vista_frame_still; /* world = camera */
 
 /* VISTA_ERROR_NUMBER: not finite; VISTA_ERROR_RANGE: a size, focal length or baseline that is not positive or not

@@ -71,11 +71,12 @@ void vista_track_judge(const vista_track_frame *f, vista_track *track) {
 
 /* From the position to the middle of what is seen: the border of the image may hide the larger part. */
 static void find_seen_off(const vista_track_frame *f, vista_track *track) {
-  double camera_m[3], seen_m[3];
+  double camera_m[3], seen_px[3], seen_m[3];
   vista_frame_to_camera(f->pose, track->position_m, camera_m);
-  const double pixel_m = camera_m[2] / f->camera->focal_px;
-  camera_m[0] = pixel_m * (track->ellipse.center_u_px - f->camera->center_u_px);
-  camera_m[1] = pixel_m * (track->ellipse.center_v_px - f->camera->center_v_px);
+  vista_frame_measure(f->camera, camera_m, seen_px, NULL);
+  seen_px[0] = track->ellipse.center_u_px;
+  seen_px[1] = track->ellipse.center_v_px;
+  vista_frame_point(f->camera, seen_px, camera_m);
   vista_frame_to_world(f->pose, camera_m, seen_m);
   for (int i = 0; i < 3; ++i) track->seen_off_m[i] = seen_m[i] - track->position_m[i];
 }

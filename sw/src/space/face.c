@@ -23,9 +23,9 @@ vista_face vista_face_of(const vista_frame_view *frame, const vista_obstacle *ob
     vista_frame_level_axes(frame->up_camera, ahead, level);
   const double upright[3] = {level[1], -level[0], 0.0}; /* across that in the image */
   vista_frame_to_camera(pose, obstacle->position_m, middle_m);
-  const double pixel_m = middle_m[2] / camera->focal_px;
-  middle_m[0] = pixel_m * (ellipse->center_u_px - camera->center_u_px);
-  middle_m[1] = pixel_m * (ellipse->center_v_px - camera->center_v_px);
+  const double pixel_m = fmax(middle_m[2], VISTA_DEPTH_MIN_M) / camera->focal_px;
+  const double seen_px[3] = {ellipse->center_u_px, ellipse->center_v_px, camera->baseline_m / pixel_m};
+  vista_frame_point(camera, seen_px, middle_m);
   vista_face face = {.range_m = vista_norm(middle_m)};
   for (int i = 0; i < 3; ++i) sight[i] = middle_m[i] / face.range_m;
   vista_cross(sight, upright, aside);

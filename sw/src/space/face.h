@@ -16,7 +16,6 @@ typedef struct vista_face {
   double range_m;   /* from the camera to the middle */
 } vista_face;
 
-/* obstacle: in front of the camera. */
 vista_face vista_face_of(const vista_frame_view *frame, const vista_obstacle *obstacle);
 
 #endif

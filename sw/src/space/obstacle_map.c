@@ -87,7 +87,6 @@ static vista_obstacle too_near(const vista_frame_view *frame, double range_m) {
   const vista_camera *const camera = frame->camera;
   const vista_flight_path *const path = &frame->path;
   const double disparity_px = camera->focal_px * camera->baseline_m / range_m;
-  const double radius_px = params->collision_radius_m * camera->focal_px / range_m;
   vista_obstacle obstacle = {.id = VISTA_ID_TOO_NEAR,
                              .kind = VISTA_OBSTACLE_TOO_NEAR,
                              .confirmed = true,
@@ -95,7 +94,6 @@ static vista_obstacle too_near(const vista_frame_view *frame, double range_m) {
                              .age_frames = 1,
                              .distance_m = range_m,
                              .extent_m = {2.0 * params->collision_radius_m, 2.0 * params->collision_radius_m},
-                             .ellipse = {camera->center_u_px, camera->center_v_px, radius_px, radius_px, 0.0},
                              .disparity_px = disparity_px,
                              .in_collision_volume = true};
   for (int i = 0; i < 3; ++i) {
@@ -106,6 +104,12 @@ static vista_obstacle too_near(const vista_frame_view *frame, double range_m) {
           range_m * range_m * along2 + params->collision_radius_m * params->collision_radius_m * ((i == j) - along2);
     }
   }
+  double camera_m[3], seen_px[3];
+  vista_frame_to_camera(&frame->motion.pose, obstacle.position_m, camera_m);
+  camera_m[2] = fmax(camera_m[2], VISTA_DEPTH_MIN_M);
+  vista_frame_measure(camera, camera_m, seen_px, NULL);
+  const double radius_px = params->collision_radius_m * camera->focal_px / camera_m[2];
+  obstacle.ellipse = (vista_ellipse){seen_px[0], seen_px[1], radius_px, radius_px, 0.0};
   return obstacle;
 }
 

@@ -27,7 +27,6 @@
 #define THICK_MAX_M 1.0 /* Larger things are walls and the like: how wide they are does not tell how deep they are. */
 #define STEADY_MIN 0.25 /* The variance falls to this share at least: ten hits do not show more. */
 #define MISSES_MAX 2 /* After more misses in a row something else is seen in the place of what is warned of. */
-#define DEPTH_MIN_M 0.05 /* What is nearer along the optical axis counts as behind the camera. */
 
 /* Something is seen to move across the path above this speed, and above so many standard deviations of it; it counts as
  * in the volume when it will be there within this time. */
@@ -224,7 +223,7 @@ static vista_ellipse ellipse_of(const vista_frame_view *frame, const vista_track
   double seen_m[3], camera_m[3], measured_px[3];
   for (int i = 0; i < 3; ++i) seen_m[i] = track->position_m[i] + track->seen_off_m[i];
   vista_frame_to_camera(&frame->motion.pose, seen_m, camera_m);
-  camera_m[2] = fmax(camera_m[2], DEPTH_MIN_M);
+  camera_m[2] = fmax(camera_m[2], VISTA_DEPTH_MIN_M);
   vista_frame_measure(frame->camera, camera_m, measured_px, NULL);
   const double scale = track->ellipse_depth_m / depth_m;
   ellipse.center_u_px = measured_px[0];
@@ -240,7 +239,7 @@ bool vista_track_obstacle(const vista_frame_view *frame, const vista_track *trac
   const vista_flight_path *const path = &frame->path;
   double camera_m[3], measurement_px[3], jacobian_camera[9], jacobian[9], covariance_px2[9];
   vista_frame_to_camera(pose, track->position_m, camera_m);
-  if (!(camera_m[2] > DEPTH_MIN_M)) return false;
+  if (!(camera_m[2] > VISTA_DEPTH_MIN_M)) return false;
   *obstacle = (vista_obstacle){.id = track->id,
                                .confirmed = track->confirmed && track->world.verdict != VISTA_WORLD_REFUTED,
                                .coasting = track->coasting,

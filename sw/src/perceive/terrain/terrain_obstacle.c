@@ -13,7 +13,6 @@
 #define ON_GROUND_M 0.5 /* the middle of what lies on the ground is this near to it, */
 #define ON_GROUND_SHARE 0.1 /* or this share of its distance from where the ground was found; but not by more than */
 #define STANDING_SHARE 0.25 /* this share of its height: the middle of what stands is half of it above the ground */
-#define DEPTH_MIN_M 0.05 /* nearer along z: behind the camera */
 
 bool vista_terrain_obstacle(const vista_frame_view *frame, const vista_terrain *terrain, vista_obstacle *obstacle) {
   const vista_camera *const camera = frame->camera;
@@ -21,7 +20,7 @@ bool vista_terrain_obstacle(const vista_frame_view *frame, const vista_terrain *
   const vista_terrain_contact *const c = &terrain->contact;
   double camera_m[3], measurement_px[3], direction[3];
   vista_frame_to_camera(pose, c->point_m, camera_m);
-  if (!(camera_m[2] > DEPTH_MIN_M)) return false;
+  if (!(camera_m[2] > VISTA_DEPTH_MIN_M)) return false;
   vista_frame_measure(camera, camera_m, measurement_px, NULL);
   (void)vista_flight_path_along(&frame->path, c->point_m, direction);
   const double radius_px = VISTA_TERRAIN_BESIDE * c->radius_m * camera->focal_px / camera_m[2];
